@@ -1,0 +1,77 @@
+"""CAD models and the library that holds them: what matching, alignment and export read."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from .classes import class_named
+from .robot_model import RobotModel
+from .types import Mesh, PlaneSet
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class CadModel:
+    """One model in canonical pose: z up, front towards -y, origin at the centre of its box."""
+
+    id: str
+    """``<class>/<name>``, the folder below the library's root."""
+    class_name: str
+    robot: RobotModel
+    """Root frame = canonical frame, joints closed at zero."""
+    size: Float[np.ndarray, "3"]
+    """Box with joints closed and handles left out, metres."""
+    mesh: Mesh
+    """All visuals in the canonical frame, joints closed."""
+    planes: PlaneSet
+    """[planes]: unpadded, canonical frame."""
+    plane_link: tuple[str, ...]
+    """The link that owns each plane."""
+    plane_supporting: Bool[np.ndarray, " planes"]
+    symmetry: int
+    """Order of rotational symmetry about z: 1, 2, 4, or 0 = round."""
+    mount: str
+    """``floor``, ``surface``, ``wall`` or ``opening``."""
+    licence: str
+    content_hash: str
+
+    @property
+    def articulated(self) -> bool:
+        return bool(self.robot.moving_joints)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class CadLibrary:
+    """Models, sorted by id."""
+
+    models: tuple[CadModel, ...]
+    source: str
+    """Where it came from, for messages."""
+    content_hash: str
+
+    def __len__(self) -> int:
+        return len(self.models)
+
+    def __getitem__(self, index: int) -> CadModel:
+        return self.models[index]
+
+    @functools.cached_property
+    def _by_group(self) -> dict[str, np.ndarray]:
+        groups: dict[str, list[int]] = {}
+        for i, model in enumerate(self.models):
+            groups.setdefault(class_named(model.class_name).match_group, []).append(i)
+        return {group: np.array(rows, np.int32) for group, rows in groups.items()}
+
+    def matching_class(self, class_name: str) -> np.ndarray:
+        """Positions of the models that may stand for an entity of this class."""
+        return self._by_group.get(class_named(class_name).match_group, np.zeros(0, np.int32))
+
+    def by_id(self, cad_id: str) -> CadModel:
+        return self.models[self._positions[cad_id]]
+
+    @functools.cached_property
+    def _positions(self) -> dict[str, int]:
+        return {model.id: i for i, model in enumerate(self.models)}

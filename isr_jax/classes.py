@@ -1,0 +1,90 @@
+"""The one table of classes, read from ``classes.csv``.
+
+Row 0 is "none". Every id in this package (`class_id`) is a row of this table.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import difflib
+import functools
+from importlib import resources
+
+import numpy as np
+
+from .errors import ClassError
+
+LABEL_SETS = ("coco80", "coco_panoptic", "ade20k", "ade32", "nyu40", "scannet", "scenenn")
+
+
+@dataclasses.dataclass(frozen=True)
+class ClassInfo:
+    """One row of the table."""
+
+    id: int
+    name: str
+    kind: str
+    """``none``, ``thing``, ``layout`` (floor, wall, ceiling), ``stuff`` or ``dynamic``."""
+    functional: bool
+    """A CAD model may stand for it."""
+    articulated: bool
+    movable: bool
+    """True: a free joint in simulation. False: it stands fixed."""
+    mount: str
+    """``floor``, ``surface``, ``wall`` or ``opening``."""
+    density_kg_m3: float
+    """Of the scan mesh's filled hull, when no CAD gives a mass."""
+    match_group: str
+    """Classes of one group may match each other's models."""
+    labels: dict[str, tuple[int, ...]]
+    """Ids in foreign label sets, keyed by `LABEL_SETS`."""
+
+
+@functools.cache
+def classes() -> tuple[ClassInfo, ...]:
+    """All rows, `classes()[i].id == i`."""
+    text = resources.files(__package__).joinpath("classes.csv").read_text("utf-8")
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return tuple(_parse(i, row) for i, row in enumerate(rows))
+
+
+def _parse(index: int, row: dict[str, str]) -> ClassInfo:
+    return ClassInfo(
+        id=index,
+        name=row["name"],
+        kind=row["kind"],
+        functional=row["functional"] == "1",
+        articulated=row["articulated"] == "1",
+        movable=row["movable"] == "1",
+        mount=row["mount"],
+        density_kg_m3=float(row["density_kg_m3"]),
+        match_group=row["match_group"] or row["name"],
+        labels={s: tuple(int(v) for v in row[s].split(";") if v) for s in LABEL_SETS},
+    )
+
+
+@functools.cache
+def _by_name() -> dict[str, ClassInfo]:
+    return {info.name: info for info in classes()}
+
+
+def class_named(name: str) -> ClassInfo:
+    """The row called ``name``; raises `ClassError` naming the nearest known classes."""
+    info = _by_name().get(name)
+    if info is None:
+        near = difflib.get_close_matches(name, _by_name(), n=3) or sorted(_by_name())
+        raise ClassError(f"unknown class {name!r}", f"use one of: {', '.join(near)}")
+    return info
+
+
+@functools.cache
+def label_table(label_set: str) -> np.ndarray:
+    """Lookup [max id + 1] from a foreign label set (`LABEL_SETS`) to rows; 0 where unmapped."""
+    if label_set not in LABEL_SETS:
+        raise ClassError(f"unknown label set {label_set!r}", f"use one of: {', '.join(LABEL_SETS)}")
+    pairs = [(v, info.id) for info in classes() for v in info.labels[label_set]]
+    table = np.zeros(max(v for v, _ in pairs) + 1, np.int32)
+    for foreign, ours in pairs:
+        table[foreign] = ours
+    return table

@@ -1,0 +1,37 @@
+"""Planes pi = [n, d], n . v + d = 0, n a unit vector."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+from jaxtyping import Float
+
+from ..types import Array
+
+
+def transform_planes(
+    scale: Float[Array, ""],
+    rotation: Float[Array, "3 3"],
+    translation: Float[Array, "3"],
+    normal: Float[Array, "planes 3"],
+    offset: Float[Array, " planes"],
+) -> tuple[Float[Array, "planes 3"], Float[Array, " planes"]]:
+    """Planes under T = [scale R, p], made unit again: n' = R n, d' = scale d - n' . p.
+
+    The raw product T^-T pi has a normal of length 1 / scale; an alignment on it converges to a
+    wrong scale.
+    """
+    moved = normal @ rotation.T
+    return moved, scale * offset - moved @ translation
+
+
+def plane_height(
+    normal: Float[Array, "*batch 3"], offset: Float[Array, "*batch"]
+) -> Float[Array, "*batch"]:
+    """Height z at which an up-facing plane stands above the origin, metres.
+
+    For a plane that is not quite level this is the height at the origin's vertical; callers that
+    need it elsewhere evaluate the plane there.
+    """
+    nz = normal[..., 2]
+    safe = jnp.where(jnp.abs(nz) > 1e-6, nz, 1.0)
+    return -offset / safe

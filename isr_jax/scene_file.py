@@ -1,0 +1,309 @@
+"""``scene.json``: the one file format of scenes, for results and for truth alike.
+
+The schema ships with the package (``schema/scene.schema.json``); what is written is checked
+against it, and what is read too.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import json
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+
+from .cad_types import CadLibrary
+from .errors import SceneError
+from .types import ROOM, UNSUPPORTED, Box, Candidate, ContactGraph, Entities, Entity, Placement
+
+SCHEMA_VERSION = "1.0"
+ROOM_NAME = "room"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class CadRecord:
+    """The model that stands for an entity: p_world = T_world_cad diag(scale) p_cad."""
+
+    id: str
+    T_world_cad: np.ndarray
+    scale: np.ndarray
+    matching_error: float | None = None
+    alignment_error_m: float | None = None
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PlaneRecord:
+    """A plane n . v + d = 0 with its rectangle, world frame."""
+
+    normal: np.ndarray
+    offset: float
+    corners: np.ndarray
+    area_m2: float
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class EntityRecord:
+    """One entity of a scene as stored."""
+
+    id: int
+    name: str
+    class_name: str
+    type: str
+    """``layout``, ``rigid``, ``articulated`` or ``scan``."""
+    box: Box
+    planes: tuple[PlaneRecord, ...]
+    parent: str | None
+    """Name of the supporting parent, `ROOM_NAME`, or None."""
+    attachment: str
+    support_plane: int | None
+    mesh: str | None
+    """Relative to the folder of the scene file."""
+    cad: CadRecord | None
+    candidates: tuple[Candidate, ...] = ()
+    reason: str | None = None
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class SceneFile:
+    """A whole scene as stored."""
+
+    entities: tuple[EntityRecord, ...]
+    T_world_dataset: np.ndarray
+    proximal: tuple[tuple[str, str, float], ...] = ()
+    """(name, name, depth in metres)."""
+    metrics: dict[str, Any] = dataclasses.field(default_factory=dict)
+    settings: dict[str, Any] = dataclasses.field(default_factory=dict)
+    versions: dict[str, str] = dataclasses.field(default_factory=dict)
+
+    def entity(self, name: str) -> EntityRecord:
+        return next(e for e in self.entities if e.name == name)
+
+
+@functools.cache
+def scene_schema() -> dict[str, Any]:
+    """The JSON Schema of ``scene.json``."""
+    text = resources.files(__package__).joinpath("schema/scene.schema.json").read_text("utf-8")
+    return json.loads(text)
+
+
+def scene_from_stages(
+    entities: Entities,
+    graph: ContactGraph,
+    placements: tuple[Placement, ...],
+    library: CadLibrary,
+    mesh_paths: dict[int, str],
+    **rest: Any,
+) -> SceneFile:
+    """Gather what the stages found. ``mesh_paths`` maps entity ids to relative paths."""
+    records = tuple(
+        _entity_record(i, entities, graph, placements[i], library, mesh_paths)
+        for i in range(len(entities))
+    )
+    proximal = tuple(
+        (entities[a].name, entities[b].name, float(depth))
+        for (a, b), depth in zip(graph.proximal, graph.proximal_depth_m, strict=True)
+    )
+    return SceneFile(records, entities.T_world_dataset, proximal, **rest)
+
+
+def _entity_record(
+    i: int,
+    entities: Entities,
+    graph: ContactGraph,
+    placement: Placement,
+    library: CadLibrary,
+    mesh_paths: dict[int, str],
+) -> EntityRecord:
+    entity = entities[i]
+    parent = int(graph.parent[i])
+    names = {ROOM: ROOM_NAME, UNSUPPORTED: None}
+    cad = None
+    if placement.cad_id is not None:
+        assert placement.T_world_cad is not None and placement.scale is not None
+        cad = CadRecord(
+            placement.cad_id,
+            placement.T_world_cad,
+            placement.scale,
+            placement.matching_error,
+            placement.alignment_error_m,
+        )
+    return EntityRecord(
+        id=entity.id,
+        name=entity.name,
+        class_name=entity.class_name,
+        type=_entity_type(entity, placement, library),
+        box=Box(*(np.asarray(leaf)[i] for leaf in _box_leaves(graph.refined_box))),
+        planes=plane_records(entity),
+        parent=names[parent] if parent in names else entities[parent].name,
+        attachment=graph.attachment[i],
+        support_plane=int(graph.support_plane[i]) if graph.support_plane[i] >= 0 else None,
+        mesh=mesh_paths.get(entity.id),
+        cad=cad,
+        candidates=placement.candidates,
+        reason=placement.reason,
+    )
+
+
+def _box_leaves(box: Box) -> tuple[Any, Any, Any]:
+    return box.center, box.yaw, box.size
+
+
+def _entity_type(entity: Entity, placement: Placement, library: CadLibrary) -> str:
+    if entity.is_layout:
+        return "layout"
+    if placement.cad_id is None:
+        return "scan"
+    return "articulated" if library.by_id(placement.cad_id).articulated else "rigid"
+
+
+def plane_records(entity: Entity) -> tuple[PlaneRecord, ...]:
+    """The valid planes of an entity."""
+    planes = entity.planes
+    return tuple(
+        PlaneRecord(
+            np.asarray(planes.normal[k]),
+            float(planes.offset[k]),
+            np.asarray(planes.corners[k]),
+            float(planes.area_m2[k]),
+        )
+        for k in np.flatnonzero(np.asarray(planes.valid))
+    )
+
+
+def write_scene(scene: SceneFile, path: Path) -> None:
+    """Write ``scene.json``, checked against the schema first."""
+    data = _scene_to_json(scene)
+    _validate(data, path)
+    text = json.dumps(data, indent=1, allow_nan=False) + "\n"
+    path.write_text(text, "utf-8")
+
+
+def read_scene(path: Path) -> SceneFile:
+    """Read ``scene.json``; raises `SceneError` naming the place that breaks the schema."""
+    try:
+        data = json.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise SceneError(f"{path}: {error.strerror}", "give a folder that `isr run` wrote") from None
+    except ValueError as error:
+        raise SceneError(f"{path} is not JSON: {error}", "write it again with `isr run`") from None
+    _validate(data, path)
+    return _scene_from_json(data)
+
+
+def _validate(data: Any, path: Path) -> None:
+    errors = jsonschema.Draft202012Validator(scene_schema()).iter_errors(data)
+    error = next(iter(errors), None)
+    if error is not None:
+        where = "/".join(str(p) for p in error.absolute_path) or "the top level"
+        raise SceneError(
+            f"{path} breaks the scene schema at {where}: {error.message[:300]}",
+            f"this package writes and reads schema version {SCHEMA_VERSION}",
+        )
+
+
+def _numbers(values: Any) -> Any:
+    """Nested lists of floats, at float32's own precision."""
+    array = np.asarray(values)
+    if array.ndim == 0:
+        return float(np.format_float_positional(np.float32(array), unique=True))
+    return [_numbers(v) for v in array]
+
+
+def _scene_to_json(scene: SceneFile) -> dict[str, Any]:
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "T_world_dataset": np.asarray(scene.T_world_dataset, np.float64).tolist(),
+        "entities": [_entity_to_json(e) for e in scene.entities],
+        "proximal": [{"a": a, "b": b, "depth_m": _numbers(d)} for a, b, d in scene.proximal],
+        "metrics": scene.metrics,
+        "settings": scene.settings,
+        "versions": scene.versions,
+    }
+
+
+def _entity_to_json(entity: EntityRecord) -> dict[str, Any]:
+    box, cad = entity.box, entity.cad
+    return {
+        "id": int(entity.id),
+        "name": entity.name,
+        "class": entity.class_name,
+        "type": entity.type,
+        "box": {
+            "center": _numbers(box.center),
+            "yaw": _numbers(box.yaw),
+            "size": _numbers(box.size),
+        },
+        "planes": [
+            {
+                "normal": _numbers(p.normal),
+                "offset": _numbers(p.offset),
+                "corners": _numbers(p.corners),
+                "area_m2": _numbers(p.area_m2),
+            }
+            for p in entity.planes
+        ],
+        "parent": entity.parent,
+        "attachment": entity.attachment,
+        "support_plane": entity.support_plane,
+        "mesh": entity.mesh,
+        "cad": None
+        if cad is None
+        else {
+            "id": cad.id,
+            "T_world_cad": _numbers(cad.T_world_cad),
+            "scale": _numbers(cad.scale),
+            "matching_error": cad.matching_error,
+            "alignment_error_m": cad.alignment_error_m,
+        },
+        "candidates": [dataclasses.asdict(c) for c in entity.candidates],
+        "reason": entity.reason,
+    }
+
+
+def _scene_from_json(data: dict[str, Any]) -> SceneFile:
+    return SceneFile(
+        entities=tuple(_entity_from_json(e) for e in data["entities"]),
+        T_world_dataset=np.array(data["T_world_dataset"], np.float64),
+        proximal=tuple((p["a"], p["b"], p["depth_m"]) for p in data["proximal"]),
+        metrics=data["metrics"],
+        settings=data["settings"],
+        versions=data["versions"],
+    )
+
+
+def _entity_from_json(data: dict[str, Any]) -> EntityRecord:
+    box, cad = data["box"], data["cad"]
+
+    def array(values: Any) -> np.ndarray:
+        return np.array(values, np.float32)
+
+    return EntityRecord(
+        id=data["id"],
+        name=data["name"],
+        class_name=data["class"],
+        type=data["type"],
+        box=Box(array(box["center"]), array(box["yaw"]), array(box["size"])),
+        planes=tuple(
+            PlaneRecord(array(p["normal"]), p["offset"], array(p["corners"]), p["area_m2"])
+            for p in data["planes"]
+        ),
+        parent=data["parent"],
+        attachment=data["attachment"],
+        support_plane=data["support_plane"],
+        mesh=data["mesh"],
+        cad=None
+        if cad is None
+        else CadRecord(
+            cad["id"],
+            array(cad["T_world_cad"]),
+            array(cad["scale"]),
+            cad["matching_error"],
+            cad["alignment_error_m"],
+        ),
+        candidates=tuple(Candidate(**c) for c in data["candidates"]),
+        reason=data["reason"],
+    )
