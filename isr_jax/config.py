@@ -19,8 +19,8 @@ def setting(
     help: str,
     *,
     unit: str = "",
-    low: float | None = None,
-    high: float | None = None,
+    low: float | int | None = None,
+    high: float | int | None = None,
     choices: tuple[str, ...] = (),
     static: bool = False,
 ) -> Any:
@@ -89,6 +89,9 @@ class SegmentationSettings(_Checked):
     convexity_threshold: float = setting(0.97, "cosine between normals that keeps pixels together", low=-1.0, high=1.0)
     edge_join_window: int = setting(9, "side of the window in which edge pixels join a segment", unit="px", low=1)
     edge_join_distance_m: float = setting(0.05, "and the distance", unit="m", low=0.0)
+    min_seed_px: int = setting(
+        50, "smaller specks between edges are treated as edges", unit="px", low=0
+    )
     min_segment_px: int = setting(500, "smaller depth segments are dropped", unit="px", low=0)
     mask_in_segment_ratio: float = setting(
         0.9, "an instance with this share of its mask in one segment may be cut out of it", low=0.0, high=1.0
@@ -99,10 +102,17 @@ class SegmentationSettings(_Checked):
     majority_ratio: float = setting(
         0.2, "a segment whose best mask covers less is background", low=0.0, high=1.0
     )
+    split_ratio: float = setting(
+        0.2, "a mask with this share of a segment splits it, and ...", low=0.0, high=1.0
+    )
+    split_mask_ratio: float = setting(
+        0.5, "... only if this share of the mask lies in the segment", low=0.0, high=1.0
+    )
+    min_piece_px: int = setting(100, "smaller pieces are not cut out of a segment", unit="px", low=0)
     cluster_distance_m: float = setting(
         0.05, "pieces of an instance farther apart are separate clusters; all but the largest go", unit="m", low=0.0
     )
-    min_score: float = setting(0.5, "masks with a lower score are ignored", low=0.0, high=1.0)
+    min_score: float = setting(0.4, "masks with a lower score are ignored", low=0.0, high=1.0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -118,16 +128,33 @@ class MappingSettings(_Checked):
     block_capacity: int = setting(16384, "blocks of 8^3 voxels to start with; doubles when full", low=64, static=True)
     max_blocks: int = setting(262144, "bound of the capacity", low=64)
     label_slots: int = setting(3, "label counts kept a voxel", low=1, high=8, static=True)
+    label_band_voxels: float = setting(
+        2.0, "voxels this near the surface count its label", unit="voxels", low=0.5, high=20.0
+    )
+    carve: bool = setting(True, "known blocks that are seen through are freed (paper: not)")
     min_votes: int = setting(20, "voxel votes a segment needs to take a map label", low=1)
+    share_labels: bool = setting(
+        True, "segments of one instance in a frame may take one map label (paper: not)"
+    )
     merge_overlap_ratio: float = setting(0.2, "shared voxels at which two segments merge", low=0.0, high=1.0)
     merge_min_frames: int = setting(3, "and the frames in which they did", low=1)
     instance_count_ratio: float = setting(
         0.1, "a label is part of an instance if its count exceeds this share of the rest", low=0.0
     )
-    instance_merge_ratio: float = setting(0.5, "co-count over total at which two instances merge", low=0.0)
-    instance_merge_min: int = setting(10, "and the least co-count", low=1)
+    instance_condition: str = setting(
+        "group", "classes that one instance may have: those of a match group, or (paper) one",
+        choices=("group", "class"),
+    )
+    instance_merge_ratio: float = setting(
+        0.5, "shared count over the smaller total at which two instances merge", low=0.0
+    )
+    instance_merge_min: int = setting(10, "and the least shared count", low=1)
+    regulate_classes: bool = setting(True, "instances of different classes may merge (paper: not)")
     checkpoint_every: int = setting(50, "frames between checkpoints; 0 = none", low=0)
     mesh_min_weight: float = setting(1e-4, "voxels with less are unobserved", low=0.0)
+    mesh_max_jump_voxels: float = setting(
+        6.0, "no surface where distances in a cell differ more (silhouettes)", unit="voxels", low=1.0
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -136,6 +163,12 @@ class EntitySettings(_Checked):
 
     min_vertices: int = setting(100, "instances with fewer mesh vertices are dropped", low=3)
     box_trim: float = setting(0.005, "share of vertices an end that may stick out of the box", low=0.0, high=0.2)
+    piece_link_m: float = setting(
+        0.1, "pieces of a mesh nearer than this are one", unit="m", low=0.01
+    )
+    piece_min_ratio: float = setting(
+        0.2, "other pieces with a smaller share of the largest are dropped", low=0.0, high=1.0
+    )
     plane_threshold_m: float = setting(0.03, "RANSAC inlier distance, at most", unit="m", low=0.0)
     plane_iterations: int = setting(200, "RANSAC draws a plane", low=1, static=True)
     plane_min_ratio: float = setting(0.1, "a plane holds at least this share of the vertices", low=0.0, high=1.0)
@@ -151,9 +184,24 @@ class ContactGraphSettings(_Checked):
     up_cosine: float = setting(0.9, "a supporting plane has n . g <= -this", low=0.0, high=1.0)
     min_contact: float = setting(0.5, "contact area ratio A of a stable support (b_th)", low=0.0, high=1.0)
     near_voxels: float = setting(2.0, "vertices so near a plane count as on it", unit="voxels", low=0.0)
-    min_score: float = setting(0.5, "least S of a support", low=0.0, high=1.0)
+    rim_voxels: float = setting(
+        2.0, "and those so far around the child's bottom as below it, where it hides them", unit="voxels", low=0.0
+    )
+    min_score: float = setting(0.1, "least S of a support; bounds how far a hidden foot may hover", low=0.0, high=1.0)
+    max_gap_m: float = setting(
+        0.3, "a thing may hover so far above another; what stands on layout may hover farther", unit="m", low=0.0
+    )
+    max_gap_mounted_m: float = setting(
+        0.04, "the same for classes that hang on walls: they hover for good", unit="m", low=0.0
+    )
+    max_sink_m: float = setting(
+        0.1, "a thing's bottom may lie so far below a plane of another that carries it", unit="m", low=0.0
+    )
     layout_whole_polygon: bool = setting(
         True, "layout carries with its whole polygon, since it is rarely seen under furniture"
+    )
+    layout_margin_m: float = setting(
+        1.0, "and with so much more on every side, since it is not seen behind it either", unit="m", low=0.0
     )
     attach_distance_m: float = setting(0.1, "gap to a wall at which a thing hangs on it", unit="m", low=0.0)
 
@@ -166,6 +214,9 @@ class MatchingSettings(_Checked):
     weight_planes: float = setting(1.0, "of d_pi", low=0.0)
     weight_upright: float = setting(0.2, "of d_b", low=0.0)
     unmatched_cost: float = setting(1.0, "of an entity's plane without partner; inf rejects", low=0.0)
+    merge_symmetric: bool = setting(
+        True, "rotations that a model's symmetry makes equal take one place of the shortlist"
+    )
     shortlist: int = setting(10, "candidates that go on", low=1, static=True)
 
 
@@ -183,7 +234,7 @@ class AlignmentSettings(_Checked):
     )
     scale_min: float = setting(0.5, "lower bound of alpha", low=0.01, high=1.0)
     scale_max: float = setting(2.0, "upper bound of alpha", low=1.0, high=100.0)
-    prior_weight: float = setting(1e-2, "of the start; keeps the system regular", low=0.0)
+    prior_weight: float = setting(0.05, "of the start; keeps the system regular", low=0.0)
     max_steps: int = setting(64, "LM steps", low=1, static=True)
     tolerance: float = setting(1e-5, "relative and absolute", low=0.0)
     max_points: int = setting(2048, "entity vertices that AE is taken over", low=16, static=True)
@@ -195,8 +246,22 @@ class PhysicalCheckSettings(_Checked):
 
     min_contact: float = setting(0.5, "a candidate's plane must carry each child with this A", low=0.0, high=1.0)
     penetration_tolerance_m: float = setting(0.005, "deeper overlaps conflict", unit="m", low=0.0)
+    scan_tolerance_m: float = setting(
+        0.03, "a kept scan, noisy as it is, may reach so far into a model", unit="m", low=0.0
+    )
     layout_tolerance_m: float = setting(
-        0.15, "a candidate may sink this far into a wall", unit="m", low=0.0
+        0.15, "a candidate that sinks less into a wall is moved out of it; others are dropped",
+        unit="m", low=0.0,
+    )
+    child_height_tolerance_m: float = setting(
+        0.1, "a plane carries a child whose bottom is so near; the child then moves onto it",
+        unit="m", low=0.0,
+    )
+    max_nudge_m: float = setting(
+        0.05, "farthest that a model is moved sideways out of another; 0 = never", unit="m", low=0.0
+    )
+    clearance_m: float = setting(
+        0.0002, "gap left below what stands and beside what was moved", unit="m", low=0.0, high=0.01
     )
     max_alignment_error_m: float = setting(0.15, "a candidate with a larger AE is dropped", unit="m", low=0.0)
     max_rounds: int = setting(200, "min-conflicts rounds", low=1)
@@ -210,7 +275,16 @@ class ExportSettings(_Checked):
     timestep_s: float = setting(0.002, "of MuJoCo", unit="s", low=1e-4, high=0.02)
     friction: float = setting(0.8, "sliding friction", low=0.0)
     scan_max_faces: int = setting(2000, "faces of an exported scan mesh", low=16)
-    max_hull_vertices: int = setting(64, "of a collision part", low=8, high=256)
+    max_hull_vertices: int = setting(64, "of a collision part", low=32, high=256)
+    layout_thickness_m: float = setting(
+        0.1, "of the boxes behind floor, walls and ceiling", unit="m", low=0.01, high=1.0
+    )
+    floor_margin_m: float = setting(
+        0.5, "the floor reaches so far past what was seen of it", unit="m", low=0.0
+    )
+    max_shift_m: float = setting(
+        0.1, "farthest that a free body is moved to touch its support", unit="m", low=0.0
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -221,6 +295,23 @@ class StabilitySettings(_Checked):
     perturbed_resets: int = setting(8, "resets with jittered poses; 0 = none", low=0)
     perturbation_m: float = setting(0.002, "size of the jitter", unit="m", low=0.0)
     seed: int = setting(0, "seed of the jitter", low=0)
+
+
+@dataclasses.dataclass(frozen=True)
+class NoiseModel(_Checked):
+    """A structured-light depth camera (`synthetic.sensor_depth` has the equations)."""
+
+    axial_m: float = setting(0.0012, "axial sigma at 0.4 m", unit="m", low=0.0)
+    axial_growth_per_m: float = setting(0.0019, "times (z - 0.4)^2, added to it", unit="1/m", low=0.0)
+    grazing_m: float = setting(1e-4, "times theta^2 / (pi/2 - theta)^2 / sqrt(z), added to it", unit="m", low=0.0)
+    lateral_px: float = setting(0.8, "sigma of the jitter of depth edges", unit="px", low=0.0)
+    baseline_m: float = setting(0.075, "between projector and camera; 0 = no quantisation", unit="m", low=0.0)
+    disparity_step_px: float = setting(0.125, "quantum of the disparity", unit="px", low=0.0)
+    edge_dropout: float = setting(0.4, "share of pixels lost at depth edges", low=0.0, high=1.0)
+    dropout: float = setting(0.002, "share of pixels lost anywhere", low=0.0, high=1.0)
+    grazing_limit: float = setting(1.40, "surfaces seen flatter than this return nothing", unit="rad", low=0.0)
+    range_min_m: float = setting(0.4, "nearer surfaces return nothing", unit="m", low=0.0)
+    range_max_m: float = setting(4.5, "farther surfaces return nothing", unit="m", low=0.1)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -238,3 +329,118 @@ class Settings:
     physical_check: PhysicalCheckSettings = dataclasses.field(default_factory=PhysicalCheckSettings)
     export: ExportSettings = dataclasses.field(default_factory=ExportSettings)
     stability: StabilitySettings = dataclasses.field(default_factory=StabilitySettings)
+
+
+_PAPER = Settings(
+    preset="paper",
+    mapping=MappingSettings(
+        voxel_size_m=0.01, label_band_voxels=4.0, carve=False, share_labels=False, instance_condition="class",
+        regulate_classes=False, mesh_max_jump_voxels=20.0,
+    ),
+    contact_graph=ContactGraphSettings(
+        rim_voxels=1.0,
+        min_score=0.2,
+        max_gap_m=1.0,
+        max_gap_mounted_m=1.0,
+        max_sink_m=1.0,
+        layout_whole_polygon=False,
+        layout_margin_m=0.0,
+    ),
+    matching=MatchingSettings(unmatched_cost=float("inf"), merge_symmetric=False),
+    alignment=AlignmentSettings(normal_residual="paper", max_steps=512),
+)
+PRESETS: dict[str, Settings] = {
+    "default": Settings(),
+    "paper": _PAPER,
+    "voxblox++": Settings(preset="voxblox++", mapping=MappingSettings(fusion="voxblox++")),
+}
+"""``paper``: the paper's numbers, its gaps filled as its released code fills them.
+``voxblox++``: the mapping baseline: masks label depth segments, pair counts, no regulation."""
+
+
+def preset(name: str) -> Settings:
+    """Settings by name: ``default``, ``paper`` or ``voxblox++``."""
+    if name not in PRESETS:
+        raise SettingError(f"unknown preset {name!r}", f"use one of: {', '.join(PRESETS)}")
+    return PRESETS[name]
+
+
+def with_overrides(settings: Settings, overrides: list[str]) -> Settings:
+    """Settings with ``section.name=value`` changes applied.
+
+    Raises:
+        SettingError: unknown section or name, a value of another type, or out of its bounds.
+    """
+    for override in overrides:
+        path, equals, text = override.partition("=")
+        section, dot, name = path.strip().partition(".")
+        if not equals or not dot:
+            raise SettingError(
+                f"{override!r} is not a setting", "write it as section.name=value: mapping.voxel_size_m=0.01"
+            )
+        settings = _with_value(settings, section, name, text.strip())
+    return settings
+
+
+def _with_value(settings: Settings, section: str, name: str, text: str) -> Settings:
+    sections = {f.name for f in dataclasses.fields(settings)} - {"preset"}
+    if section not in sections:
+        raise SettingError(f"unknown section {section!r}", f"use one of: {', '.join(sorted(sections))}")
+    stage = getattr(settings, section)
+    fields = {f.name: f for f in dataclasses.fields(stage)}
+    if name not in fields:
+        raise SettingError(f"unknown setting {section}.{name}", f"use one of: {', '.join(sorted(fields))}")
+    value = _parse(text, type(getattr(stage, name)), f"{section}.{name}")
+    return dataclasses.replace(settings, **{section: dataclasses.replace(stage, **{name: value})})
+
+
+def _parse(text: str, kind: type, name: str) -> Any:
+    readers = {bool: {"true": True, "false": False}.__getitem__}
+    try:
+        return readers.get(kind, kind)(text.lower() if kind is bool else text)
+    except (KeyError, ValueError):
+        raise SettingError(f"{name} = {text!r}", f"give a {kind.__name__}") from None
+
+
+def settings_to_toml(settings: Settings) -> str:
+    """All settings as TOML, a table a stage, each with its meaning and unit."""
+    lines = [f"preset = {_toml(settings.preset)}"]
+    for section in dataclasses.fields(settings):
+        if section.name == "preset":
+            continue
+        stage = getattr(settings, section.name)
+        lines += ["", f"[{section.name}]"]
+        for field in dataclasses.fields(stage):
+            unit = field.metadata["unit"]
+            meaning = field.metadata["help"] + (f" [{unit}]" if unit else "")
+            lines.append(f"{field.name} = {_toml(getattr(stage, field.name))}  # {meaning}")
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def settings_from_toml(path: Path) -> Settings:
+    """Read what `settings_to_toml` wrote; what a file leaves out keeps its preset's value."""
+    try:
+        data = tomllib.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise SettingError(f"{path}: {error.strerror}", "give a config.toml") from None
+    except tomllib.TOMLDecodeError as error:
+        raise SettingError(f"{path} is not TOML: {error}", "mend that line") from None
+    settings = preset(str(data.pop("preset", "default")))
+    for section, values in data.items():
+        if not isinstance(values, dict):
+            raise SettingError(f"{path}: {section} stands outside a section", "put it below its [section]")
+        for name, value in values.items():
+            text = str(value).lower() if isinstance(value, bool) else str(value)
+            settings = _with_value(settings, section, name, text)
+    return settings
+
+
+def settings_to_dict(settings: Settings) -> dict[str, Any]:
+    """Nested plain data, for scene.json."""
+    return dataclasses.asdict(settings)

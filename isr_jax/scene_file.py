@@ -18,6 +18,7 @@ import numpy as np
 
 from .cad_types import CadLibrary
 from .errors import SceneError
+from .geometry import box_at
 from .types import ROOM, UNSUPPORTED, Box, Candidate, ContactGraph, Entities, Entity, Placement
 
 SCHEMA_VERSION = "1.0"
@@ -104,8 +105,8 @@ def scene_from_stages(
         for i in range(len(entities))
     )
     proximal = tuple(
-        (entities[a].name, entities[b].name, float(depth))
-        for (a, b), depth in zip(graph.proximal, graph.proximal_depth_m, strict=True)
+        (entities[a].name, entities[b].name, depth)
+        for (a, b), depth in zip(graph.proximal.tolist(), graph.proximal_depth_m.tolist(), strict=True)
     )
     return SceneFile(records, entities.T_world_dataset, proximal, **rest)
 
@@ -136,7 +137,7 @@ def _entity_record(
         name=entity.name,
         class_name=entity.class_name,
         type=_entity_type(entity, placement, library),
-        box=Box(*(np.asarray(leaf)[i] for leaf in _box_leaves(graph.refined_box))),
+        box=box_at(graph.refined_box, i),
         planes=plane_records(entity),
         parent=names[parent] if parent in names else entities[parent].name,
         attachment=graph.attachment[i],
@@ -146,10 +147,6 @@ def _entity_record(
         candidates=placement.candidates,
         reason=placement.reason,
     )
-
-
-def _box_leaves(box: Box) -> tuple[Any, Any, Any]:
-    return box.center, box.yaw, box.size
 
 
 def _entity_type(entity: Entity, placement: Placement, library: CadLibrary) -> str:

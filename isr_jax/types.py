@@ -149,6 +149,16 @@ class PanopticSurface:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
+class MappingResult:
+    """A fused sequence: its surface, and which frames went in."""
+
+    surface: PanopticSurface
+    frames_used: int
+    skipped: tuple[str, ...]
+    """What was wrong with each frame that was left out."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
 class Entity:
     """A thing or a piece of layout: a node of the contact graph."""
 

@@ -101,7 +101,7 @@ def parts_model(cad_id, class_name, parts, density=500.0, supporting_top=True) -
         inertia += m * (np.eye(3) * (r @ r) - np.outer(r, r))
     link = Link(
         "base",
-        tuple(Visual(f"part_{i}", m, (0.7, 0.6, 0.5, 1)) for i, m in enumerate(meshes)),
+        tuple(Visual(f"part_{i}", m, (0.7, 0.6, 0.5, 1.0)) for i, m in enumerate(meshes)),
         tuple(meshes),
         mass,
         com,

@@ -1,35 +1,61 @@
 """Pure geometry kernels that stages share: transforms, boxes, planes, the 24 rotations."""
 
 from .boxes import (
+    box_at,
     box_corners,
     box_iou,
     box_overlap_depth,
     canonical_box,
+    convex_overlap_area,
     footprint_corners,
     footprint_overlap_area,
     points_in_box_frame,
+    stack_boxes,
 )
-from .planes import plane_height, transform_planes
+from .convex import (
+    ConvexPart,
+    convex_part,
+    depth_inside,
+    moved_part,
+    parts_apart,
+    penetration,
+)
+from .planes import plane_height, plane_height_at, transform_planes
 from .rotations import CUBE_ROTATIONS, rotated_size
 from .transforms import invert_T, make_T, rot_z, transform_points, wrap_angle
-from .triangles import point_triangle_distance_sq, points_to_mesh_distance
+from .triangles import (
+    point_triangle_distance_sq,
+    points_to_mesh_distance,
+    points_to_mesh_distance_sq,
+)
 
 __all__ = [
     "CUBE_ROTATIONS",
+    "ConvexPart",
+    "box_at",
     "box_corners",
     "box_iou",
     "box_overlap_depth",
     "canonical_box",
+    "convex_overlap_area",
+    "convex_part",
+    "depth_inside",
     "footprint_corners",
     "footprint_overlap_area",
     "invert_T",
     "make_T",
+    "moved_part",
+    "parts_apart",
+    "penetration",
     "plane_height",
+    "plane_height_at",
     "point_triangle_distance_sq",
     "points_in_box_frame",
     "points_to_mesh_distance",
+    "points_to_mesh_distance_sq",
     "rot_z",
     "rotated_size",
+    "stack_boxes",
     "transform_planes",
     "transform_points",
     "wrap_angle",

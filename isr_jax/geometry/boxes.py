@@ -25,6 +25,18 @@ def canonical_box(center: np.ndarray, yaw: float, size: np.ndarray) -> Box:
     return Box(np.asarray(center, np.float32), np.asarray(yaw32, np.float32), size)
 
 
+def box_at(boxes: Box, index: int) -> Box:
+    """One box of a batch, on the host."""
+    center, yaw, size = (np.asarray(leaf) for leaf in (boxes.center, boxes.yaw, boxes.size))
+    return Box(center[index], np.asarray(yaw[index]), size[index])
+
+
+def stack_boxes(boxes: list[Box]) -> Box:
+    """Boxes as one batch, on the host."""
+    columns = zip(*((b.center, b.yaw, b.size) for b in boxes), strict=True)
+    return Box(*(np.stack([np.asarray(v, np.float32) for v in column]) for column in columns))
+
+
 def box_corners(box: Box) -> Float[Array, "8 3"]:
     """Corners, world frame: the bottom four counter-clockwise, then the top four."""
     local = jnp.asarray(_SIGNS, jnp.float32) * box.size / 2
@@ -112,4 +124,5 @@ def box_overlap_depth(a: Box, b: Box) -> Float[Array, ""]:
         (a0, a1), (b0, b1) = extent(a), extent(b)
         return jnp.minimum(a1 - b0, b1 - a0)
 
-    return jnp.minimum(jnp.min(jax.vmap(along)(axes)), _height_overlap(a, b))
+    upright = (a.size[2] + b.size[2]) / 2 - jnp.abs(a.center[2] - b.center[2])
+    return jnp.minimum(jnp.min(jax.vmap(along)(axes)), upright)

@@ -35,3 +35,11 @@ def plane_height(
     nz = normal[..., 2]
     safe = jnp.where(jnp.abs(nz) > 1e-6, nz, 1.0)
     return -offset / safe
+
+
+def plane_height_at(
+    normal: Float[Array, "3"], offset: Float[Array, ""], xy: Float[Array, "2"]
+) -> Float[Array, ""]:
+    """Height z of an up-facing plane at a horizontal position, metres."""
+    safe = jnp.where(jnp.abs(normal[2]) > 1e-6, normal[2], 1.0)
+    return -(offset + jnp.dot(normal[:2], xy)) / safe

@@ -1,0 +1,38 @@
+"""What a run says while it works. The command line shows it; the library is silent by default."""
+
+from __future__ import annotations
+
+import logging
+from typing import Protocol, runtime_checkable
+
+LOGGER = logging.getLogger("isr_jax")
+
+
+@runtime_checkable
+class Reporter(Protocol):
+    """Receives what happens in a run."""
+
+    def stage(self, name: str, reused: bool) -> None:
+        """A stage begins, or its stored result is taken."""
+        ...
+
+    def progress(self, name: str, done: int, total: int) -> None:
+        """``done`` of ``total`` steps of a stage are finished."""
+        ...
+
+    def note(self, text: str) -> None:
+        """Something the user should know: a fallback, a skipped frame."""
+        ...
+
+
+class LogReporter:
+    """Writes stages and notes to the package's logger."""
+
+    def stage(self, name: str, reused: bool) -> None:
+        LOGGER.info("%s%s", name, " (stored result reused)" if reused else "")
+
+    def progress(self, name: str, done: int, total: int) -> None:
+        LOGGER.debug("%s %d/%d", name, done, total)
+
+    def note(self, text: str) -> None:
+        LOGGER.warning("%s", text)
