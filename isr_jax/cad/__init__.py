@@ -1,0 +1,18 @@
+"""CAD models of furniture and household things: the kit that makes them, the folder they live in."""
+
+from .library import build_library, default_library, library_of, load_library
+from .model_files import load_model, model_files, save_model
+
+VERSION: int = 1
+"""Raised when the models or their format change."""
+
+__all__ = [
+    "VERSION",
+    "build_library",
+    "default_library",
+    "library_of",
+    "load_library",
+    "load_model",
+    "model_files",
+    "save_model",
+]
