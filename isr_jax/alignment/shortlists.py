@@ -1,0 +1,199 @@
+"""From shortlists to `Alignments`: all candidates of all scenes on one flat axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import jax
+import numpy as np
+
+from ..cad_types import CadLibrary
+from ..config import AlignmentSettings
+from ..geometry import CUBE_ROTATIONS
+from ..types import Alignments, ContactGraph, Entities, Shortlist
+from .error import PointSets, Surfaces, alignment_error
+from .problem import (
+    AlignmentProblem,
+    AlignmentSolution,
+    AlignmentWeights,
+    default_start,
+)
+from .solve import align
+
+_MIN_PAIRS = 16
+_MIN_PLANES = 4
+_MIN_FACES = 64
+_MIN_POINTS = 64
+_PAIRS_A_CALL = 16
+
+
+def align_shortlists(
+    scenes: Sequence[Entities],
+    graphs: Sequence[ContactGraph],
+    shortlists: Sequence[Shortlist],
+    library: CadLibrary,
+    settings: AlignmentSettings,
+) -> list[Alignments]:
+    """Align every candidate of every scene in one solve, and measure its alignment error."""
+    counts = [len(shortlist.entity) for shortlist in shortlists]
+    if sum(counts) == 0:
+        return [_nothing() for _ in scenes]
+    problem = _pad_pairs(_problem_of(scenes, graphs, shortlists, library))
+    solution = align(
+        problem,
+        AlignmentWeights.of(settings),
+        scale_bounds=(settings.scale_min, settings.scale_max),
+        max_steps=settings.max_steps,
+        tolerance=settings.tolerance,
+        normal_residual=settings.normal_residual,
+    )
+    host = jax.tree.map(lambda leaf: np.asarray(leaf)[: sum(counts)], solution)
+    errors = _errors(scenes, shortlists, library, host, settings.max_points)
+    return _split(host, errors, counts)
+
+
+def bucket(count: int, least: int) -> int:
+    """The power of two that holds ``count``, at least ``least``."""
+    return max(least, 1 << (max(count, 1) - 1).bit_length())
+
+
+def support_height(entities: Entities, graph: ContactGraph, position: int) -> float:
+    """Height of the plane that carries an entity, where the entity stands; else of its bottom."""
+    center = np.asarray(graph.refined_box.center)[position]
+    parent, plane = int(graph.parent[position]), int(graph.support_plane[position])
+    if parent < 0 or plane < 0:
+        return float(center[2] - np.asarray(graph.refined_box.size)[position, 2] / 2)
+    normal = np.asarray(entities[parent].planes.normal[plane], np.float64)
+    offset = float(entities[parent].planes.offset[plane])
+    return float(-(offset + normal[:2] @ center[:2]) / normal[2])
+
+
+def _problem_of(scenes, graphs, shortlists, library) -> AlignmentProblem:
+    width = bucket(max(s.plane_match.shape[1] for s in shortlists), _MIN_PLANES)
+    parts = [
+        _scene_problem(*scene, library, width)
+        for scene in zip(scenes, graphs, shortlists, strict=True)
+        if len(scene[2].entity)
+    ]
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
+
+
+def _scene_problem(entities, graph, shortlist, library, width) -> AlignmentProblem:
+    rows = shortlist.entity
+    box = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32)[rows], graph.refined_box)
+    size = np.stack([library[int(m)].size for m in shortlist.model]).astype(np.float32)
+    rotation = CUBE_ROTATIONS[shortlist.rotation]
+    heights = np.array([support_height(entities, graph, i) for i in range(len(entities))])
+    planes = [
+        _matched_planes(entities[e], library[m], match, width)
+        for e, m, match in zip(
+            rows.tolist(), shortlist.model.tolist(), shortlist.plane_match, strict=True
+        )
+    ]
+    return AlignmentProblem(
+        box=box,
+        support_height_m=heights[rows].astype(np.float32),
+        **{name: np.stack([p[name] for p in planes]) for name in planes[0]},
+        model_size=size,
+        rotation=rotation,
+        start=np.asarray(default_start(box, size, rotation)),
+        valid=np.ones(len(rows), bool),
+    )
+
+
+def _matched_planes(entity, model, match: np.ndarray, width: int) -> dict[str, np.ndarray]:
+    """Planes of the entity that have a partner, beside the model's, padded to ``width``."""
+    x = np.flatnonzero(match >= 0)
+    y = match[x]
+
+    def padded(values):
+        values = np.asarray(values, np.float32)
+        out = np.zeros((width, *values.shape[1:]), np.float32)
+        out[: len(values)] = values
+        return out
+
+    return {
+        "entity_normal": padded(np.asarray(entity.planes.normal)[x]),
+        "entity_offset": padded(np.asarray(entity.planes.offset)[x]),
+        "model_normal": padded(np.asarray(model.planes.normal)[y]),
+        "model_offset": padded(np.asarray(model.planes.offset)[y]),
+        "plane_valid": np.arange(width) < len(x),
+    }
+
+
+def _pad_pairs(problem: AlignmentProblem) -> AlignmentProblem:
+    count = len(problem.valid)
+    extra = bucket(count, _MIN_PAIRS) - count
+    return jax.tree.map(
+        lambda leaf: np.concatenate([leaf, np.zeros((extra, *leaf.shape[1:]), leaf.dtype)]),
+        problem,
+    )
+
+
+def _errors(scenes, shortlists, library, solution, max_points) -> np.ndarray:
+    """AE of all pairs. Pairs whose models have about as many faces share a call."""
+    owner = np.concatenate([np.full(len(s.entity), i) for i, s in enumerate(shortlists)])
+    position = np.concatenate([s.entity for s in shortlists])
+    keys, entity = np.unique(np.stack([owner, position]), axis=1, return_inverse=True)
+    points = _point_sets([scenes[s][e].mesh.vertices for s, e in keys.T.tolist()], max_points)
+    model = np.concatenate([s.model for s in shortlists])
+    faces = np.array([bucket(len(m.mesh.faces), _MIN_FACES) for m in library.models])[model]
+    errors = np.zeros(len(model), np.float32)
+    for size in np.unique(faces):
+        rows = np.flatnonzero(faces == size)
+        used, local = np.unique(model[rows], return_inverse=True)
+        surfaces = _surfaces([library[m].mesh for m in used.tolist()], int(size))
+        # Calls of one width: a power of two over all pairs would measure up to half in vain.
+        for start in range(0, len(rows), _PAIRS_A_CALL):
+            part = np.resize(np.arange(start, min(start + _PAIRS_A_CALL, len(rows))), _PAIRS_A_CALL)
+            T, scale = solution.T_world_cad[rows[part]], solution.scale[rows[part]]
+            which = entity[rows[part]].astype(np.int32), local[part].astype(np.int32)
+            errors[rows[part]] = np.asarray(alignment_error(T, scale, points, surfaces, *which))
+    return errors
+
+
+def _point_sets(vertices: list[np.ndarray], max_points: int) -> PointSets:
+    """At most ``max_points`` vertices an entity, evenly spread over their order."""
+    width = min(bucket(max(len(v) for v in vertices), _MIN_POINTS), max_points)
+    count = bucket(len(vertices), 1)
+    points, valid = np.zeros((count, width, 3), np.float32), np.zeros((count, width), bool)
+    for i, v in enumerate(vertices):
+        n = min(len(v), width)
+        points[i, :n] = v[np.linspace(0, len(v) - 1, n).astype(int)] if n else 0.0
+        valid[i, :n] = True
+    return PointSets(points, valid)
+
+
+def _surfaces(meshes, faces_width: int) -> Surfaces:
+    width = bucket(max(len(m.vertices) for m in meshes), _MIN_FACES)
+    count = bucket(len(meshes), 1)
+    vertices = np.zeros((count, width, 3), np.float32)
+    faces = np.zeros((count, faces_width, 3), np.int32)
+    valid = np.zeros((count, faces_width), bool)
+    for i, mesh in enumerate(meshes):
+        vertices[i, : len(mesh.vertices)] = mesh.vertices
+        faces[i, : len(mesh.faces)] = mesh.faces
+        valid[i, : len(mesh.faces)] = True
+    return Surfaces(vertices, faces, valid)
+
+
+def _split(solution: AlignmentSolution, errors: np.ndarray, counts: list[int]) -> list[Alignments]:
+    ends = np.cumsum(counts)
+    return [
+        Alignments(
+            scale=solution.scale[a:b],
+            yaw=solution.yaw[a:b],
+            translation=solution.translation[a:b],
+            T_world_cad=solution.T_world_cad[a:b],
+            cost=solution.cost[a:b],
+            status=solution.status[a:b],
+            alignment_error_m=errors[a:b],
+        )
+        for a, b in zip(ends - counts, ends, strict=True)
+    ]
+
+
+def _nothing() -> Alignments:
+    zero = np.zeros(0, np.float32)
+    return Alignments(zero, zero, np.zeros((0, 3), np.float32), np.zeros((0, 4, 4), np.float32),
+                      zero, np.zeros(0, np.int32), zero)  # fmt: skip

@@ -1,0 +1,104 @@
+"""All entities of all scenes on one flat axis, and fixed-size blocks for kernels (host)."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+
+import jax
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from ..classes import class_named
+from ..types import Box, Entities, Entity, PlaneSet
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class FlatEntities:
+    """Entities of many scenes, end to end."""
+
+    items: tuple[Entity, ...]
+    scene: Int[np.ndarray, " entities"]
+    """Scene of each entity."""
+    start: Int[np.ndarray, " scenes1"]
+    """Where each scene starts, and where the last one ends."""
+    voxel_m: Float[np.ndarray, " entities"]
+    box: Box
+    bottom: Float[np.ndarray, " entities"]
+    planes: PlaneSet
+    """[entities, planes], padded to the most that any entity has."""
+    is_layout: Bool[np.ndarray, " entities"]
+    mount: np.ndarray
+    """Mount of each entity's class."""
+    rank: Int[np.ndarray, " entities"]
+    """Order from the lowest bottom up, ties by id; a thing carries only things of higher rank."""
+
+    def slice(self, scene: int) -> range:
+        """Positions of one scene."""
+        return range(int(self.start[scene]), int(self.start[scene + 1]))
+
+
+def flatten(scenes: Sequence[Entities]) -> FlatEntities:
+    """Lay the entities of ``scenes`` end to end."""
+    items = tuple(entity for scene in scenes for entity in scene)
+    counts = [len(scene) for scene in scenes]
+    box = stack_boxes([entity.box for entity in items])
+    bottom = np.asarray(box.center[:, 2] - box.size[:, 2] / 2)
+    ids = np.array([entity.id for entity in items], np.int64)
+    rank = np.empty(len(items), np.int32)
+    rank[np.lexsort((ids, bottom))] = np.arange(len(items), dtype=np.int32)
+    return FlatEntities(
+        items=items,
+        scene=np.repeat(np.arange(len(scenes), dtype=np.int32), counts),
+        start=np.cumsum([0, *counts]).astype(np.int32),
+        voxel_m=np.repeat(np.array([s.voxel_size_m for s in scenes], np.float32), counts),
+        box=box,
+        bottom=bottom,
+        planes=_stack_planes([entity.planes for entity in items]),
+        is_layout=np.array([entity.is_layout for entity in items], bool),
+        mount=np.array([class_named(entity.class_name).mount for entity in items], "U8"),
+        rank=rank,
+    )
+
+
+def stack_boxes(boxes: Sequence[Box]) -> Box:
+    """Single boxes as one batched box of NumPy arrays."""
+    center = np.array([box.center for box in boxes], np.float32).reshape(-1, 3)
+    yaw = np.array([box.yaw for box in boxes], np.float32)
+    return Box(center, yaw, np.array([box.size for box in boxes], np.float32).reshape(-1, 3))
+
+
+def _stack_planes(sets: Sequence[PlaneSet]) -> PlaneSet:
+    most = max((len(s.offset) for s in sets), default=0)
+    shape = (len(sets), max(most, 1))
+    normal = np.zeros((*shape, 3), np.float32)
+    normal[..., 2] = 1.0
+    offset, area = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
+    corners, valid = np.zeros((*shape, 4, 3), np.float32), np.zeros(shape, bool)
+    for row, planes in enumerate(sets):
+        count = len(planes.offset)
+        normal[row, :count], offset[row, :count] = planes.normal, planes.offset
+        corners[row, :count], area[row, :count] = planes.corners, planes.area_m2
+        valid[row, :count] = planes.valid
+    return PlaneSet(normal, offset, corners, area, valid)
+
+
+def take(tree, rows: np.ndarray | slice):
+    """The same rows of every array of a tree."""
+    return jax.tree.map(lambda leaf: np.asarray(leaf)[rows], tree)
+
+
+def in_blocks(kernel: Callable, arguments_of: Callable, count: int, block: int):
+    """Run a batched ``kernel`` over ``count`` rows, exactly ``block`` at a time; join the results.
+
+    ``arguments_of(rows)`` gives the kernel's arguments. The last block repeats its first row, so
+    that every call has the same shape and a second scene compiles nothing new.
+    """
+    parts = []
+    for first in range(0, count, block):
+        rows = np.arange(first, first + block)
+        rows[rows >= count] = first
+        result = kernel(*arguments_of(rows))
+        keep = min(block, count - first)
+        parts.append(jax.tree.map(lambda leaf, k=keep: np.asarray(leaf)[:k], result))
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)

@@ -1,0 +1,28 @@
+"""Matching: the models of the library that resemble an entity most, each in 24 rotations.
+
+Follows section V-B of the paper:
+
+    D(x, y) = w_s d_s + w_pi d_pi + w_b d_b
+
+for every functional entity x, every model y of its match group and every rotation of the cube.
+The assignment of planes in d_pi is exact; all (scene, entity, model, rotation) lie on one flat
+axis. The best of each entity are its shortlist.
+"""
+
+from .assignment import assignment_cost
+from .costs import EntityFeatures, ModelFeatures, PairTerms, pair_terms
+from .scoring import matching_errors
+from .shortlist import match
+
+__all__ = [
+    "VERSION",
+    "EntityFeatures",
+    "ModelFeatures",
+    "PairTerms",
+    "assignment_cost",
+    "match",
+    "matching_errors",
+    "pair_terms",
+]
+
+VERSION: int = 1

@@ -1,0 +1,67 @@
+"""Entities and models as padded feature rows for the kernels (host)."""
+
+from __future__ import annotations
+
+import jax
+import numpy as np
+from jaxtyping import Int
+
+from ..cad_types import CadModel
+from ..types import ContactGraph, Entity, PlaneSet
+from .costs import EntityFeatures, ModelFeatures
+
+MAX_ENTITY_PLANES = 8
+"""The assignment visits 2^planes sets; of an entity with more planes these many count."""
+MAX_MODEL_PLANES = 16
+
+
+def entity_rows(planes: PlaneSet, carrying: np.ndarray) -> Int[np.ndarray, " rows"]:
+    """Planes of an entity that count, ascending: carrying ones first, then by area."""
+    valid = np.flatnonzero(planes.valid)
+    keys = (-np.asarray(planes.area_m2)[valid], ~np.isin(valid, carrying))
+    return np.sort(valid[np.lexsort(keys)][:MAX_ENTITY_PLANES])
+
+
+def model_columns(model: CadModel) -> Int[np.ndarray, " columns"]:
+    """Planes of a model that count, ascending: supporting ones first, then by area."""
+    valid = np.flatnonzero(model.planes.valid)
+    keys = (-np.asarray(model.planes.area_m2)[valid], ~model.plane_supporting[valid])
+    return np.sort(valid[np.lexsort(keys)][:MAX_MODEL_PLANES])
+
+
+def carrying_planes(graph: ContactGraph, position: int) -> Int[np.ndarray, " planes"]:
+    """Planes of an entity on which a child stands."""
+    return np.unique(graph.support_plane[graph.children(position)])
+
+
+def entity_features(
+    entity: Entity, graph: ContactGraph, position: int, rows: np.ndarray, width: int
+) -> EntityFeatures:
+    """Feature row of one entity, padded to ``width`` planes.
+
+    The box is the refined one: its bottom rests on the supporting plane, also where the lower
+    part of the entity was never seen, and s_x would otherwise be too short.
+    """
+    carries = np.zeros(width, bool)
+    carries[: len(rows)] = np.isin(rows, carrying_planes(graph, position))
+    box = jax.tree.map(lambda leaf: np.asarray(leaf[position], np.float32), graph.refined_box)
+    normal, offset, valid = _pad(entity.planes, rows, width)
+    return EntityFeatures(box, normal, offset, valid, carries)
+
+
+def model_features(model: CadModel, columns: np.ndarray, width: int) -> ModelFeatures:
+    """Feature row of one model, padded to ``width`` planes."""
+    size = np.asarray(model.size, np.float32)
+    normal, offset, valid = _pad(model.planes, columns, width)
+    return ModelFeatures(size, normal, offset, valid)
+
+
+def _pad(
+    planes: PlaneSet, rows: np.ndarray, width: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Normals, offsets and mask of the chosen planes; padding faces up with offset 0."""
+    normal, offset = np.zeros((width, 3), np.float32), np.zeros(width, np.float32)
+    normal[:, 2] = 1.0
+    normal[: len(rows)] = np.asarray(planes.normal)[rows]
+    offset[: len(rows)] = np.asarray(planes.offset)[rows]
+    return normal, offset, np.arange(width) < len(rows)

@@ -1,0 +1,72 @@
+"""The best (model, rotation) pairs of one entity (host)."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from ..cad_types import CadLibrary
+from ..config import MatchingSettings
+from ..geometry import CUBE_ROTATIONS
+
+_TIE = 1e-5
+"""Errors nearer than this are equal: float32 leaves no more, and symmetry makes exact ties."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Picked:
+    """The chosen (model, rotation) of one entity, best first."""
+
+    model: Int[np.ndarray, " picked"]
+    rotation: Int[np.ndarray, " picked"]
+    error: Float[np.ndarray, " picked"]
+
+
+def pick_best(
+    models: Int[np.ndarray, " models"],
+    error: Float[np.ndarray, "models 24"],
+    library: CadLibrary,
+    settings: MatchingSettings,
+) -> Picked:
+    """The ``shortlist`` smallest errors; ties go to the first model, then the first rotation."""
+    slot, rotation = (a.ravel().astype(np.int32) for a in np.indices(error.shape))
+    flat, model = error.ravel(), models[slot].astype(np.int32)
+    keep = np.flatnonzero(np.isfinite(flat))
+    order = keep[np.lexsort((rotation[keep], model[keep], np.round(flat[keep] / _TIE)))]
+    if settings.merge_symmetric:
+        order = _without_twins(order, model, rotation, library)
+    order = order[: settings.shortlist]
+    return Picked(model[order], rotation[order], flat[order])
+
+
+def _without_twins(
+    order: np.ndarray, model: np.ndarray, rotation: np.ndarray, library: CadLibrary
+) -> np.ndarray:
+    """Drop rotations that a model's symmetry about its z makes equal to a better one.
+
+    The paper keeps them; of ten places a round table would take ten.
+    """
+    symmetry = np.array([entry.symmetry for entry in library.models])[model[order]]
+    key = rotation[order].copy()
+    for order_of_symmetry, turns in _TURNS.items():
+        key = np.where(symmetry == order_of_symmetry, turns[rotation[order]], key)
+    first = np.unique(np.stack([model[order], key]), axis=1, return_index=True)[1]
+    return order[np.sort(first)]
+
+
+def _first_equal(quarters: int) -> Int[np.ndarray, " 24"]:
+    """For each rotation R the first row equal to R Rz(90 degrees ``quarters`` k) for any k."""
+    turn = np.linalg.matrix_power(CUBE_ROTATIONS[1], quarters)
+    moved = CUBE_ROTATIONS
+    first = np.arange(24, dtype=np.int32)
+    for _ in range(3):
+        moved = moved @ turn
+        same = np.all(np.abs(moved[:, None] - CUBE_ROTATIONS) < 0.5, axis=(-1, -2))
+        first = np.minimum(first, same.argmax(1).astype(np.int32))
+    return first
+
+
+_TURNS = {2: _first_equal(2), 4: _first_equal(1), 0: _first_equal(1)}
+"""By order of symmetry; the others share no turn with the cube."""
