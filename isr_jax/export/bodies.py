@@ -1,0 +1,209 @@
+"""What stands in the exported scene: layout as slabs, everything else as placed models."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from ..cad_types import CadLibrary, CadModel
+from ..classes import class_named
+from ..config import ExportSettings
+from ..errors import SceneError
+from ..robot_model import Link, RobotModel, link_transforms, scaled
+from ..robot_model.naming import named_in_scene
+from ..types import ContactGraph, Entities, Entity, Mesh, Placement
+from .convex import Hull, box_hull, hull_of_mesh
+from .scan_bodies import Niche, recentred, scan_robot
+
+_LEVEL_COSINE = 0.98
+"""A floor this level is made exactly level: the world frame says that it is."""
+
+_NICHE_MARGIN_M = 0.01
+"""Around what a scan carries, half of it for the thickness of flat parts."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Slab:
+    """A piece of layout: a box behind its plane, its +z face in the plane."""
+
+    name: str
+    class_name: str
+    T_world_slab: np.ndarray
+    """Centre of the box; z = the plane's normal."""
+    size: np.ndarray
+    scan: Mesh
+    """World frame."""
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Body:
+    """A placed model or scan."""
+
+    position: int
+    """In the entities."""
+    name: str
+    robot: RobotModel
+    """With its names in the scene."""
+    T_world_root: np.ndarray
+    free: bool
+    scan: Mesh | None
+    """In the root's frame, at full resolution; None for a CAD model."""
+
+
+def slab_of(entity: Entity, settings: ExportSettings) -> Slab:
+    """The slab behind ``planes[0]``; a floor reaches past what was seen of it."""
+    planes = entity.planes
+    normal = np.asarray(planes.normal[0], np.float64)
+    corners = np.asarray(planes.corners[0], np.float64)
+    center, level = corners.mean(0), abs(normal[2]) > _LEVEL_COSINE
+    along = corners[1] - corners[0]
+    if level:
+        normal, along = np.array([0, 0, np.sign(normal[2])]), along * [1, 1, 0]
+    x = along / np.linalg.norm(along)
+    x = x - normal * (normal @ x)
+    x /= np.linalg.norm(x)
+    across = np.cross(normal, x)
+    size = np.array([np.ptp(corners @ x), np.ptp(corners @ across), settings.layout_thickness_m])
+    if entity.class_name == "floor":
+        size[:2] += 2 * settings.floor_margin_m
+    T = np.eye(4)
+    T[:3, :3] = np.stack([x, across, normal], 1)
+    T[:3, 3] = center - normal * size[2] / 2
+    return Slab(entity.name, entity.class_name, T, size, entity.mesh)
+
+
+def scene_bodies(
+    entities: Entities,
+    graph: ContactGraph,
+    placements: tuple[Placement, ...],
+    library: CadLibrary,
+    settings: ExportSettings,
+) -> tuple[tuple[Slab, ...], tuple[Body, ...]]:
+    """Slabs and bodies of a scene, as placed; nothing is moved yet."""
+    slabs = tuple(slab_of(e, settings) for e in entities if e.is_layout)
+    bodies = tuple(
+        _body(i, entities, graph, placements[i], library, settings)
+        for i in range(len(entities))
+        if not entities[i].is_layout
+    )
+    return slabs, bodies
+
+
+def _body(
+    i: int,
+    entities: Entities,
+    graph: ContactGraph,
+    placement: Placement,
+    library: CadLibrary,
+    settings: ExportSettings,
+) -> Body:
+    entity = entities[i]
+    # What hangs on a wall would fall with a free joint: the hook is not modelled.
+    free = class_named(entity.class_name).movable and graph.attachment[i] not in ("wall", "hanging")
+    if placement.cad_id is not None:
+        assert placement.scale is not None and placement.T_world_cad is not None
+        robot = placed_robot(library.by_id(placement.cad_id), placement.scale, entity.name)
+        return Body(i, entity.name, robot, rigid(placement.T_world_cad), free, None)
+    T = np.eye(4)
+    T[:3, 3] = np.asarray(entity.box.center, np.float64)
+    robot = scan_robot(
+        entity,
+        support_height(i, entities, graph),
+        niches_of(i, entities, graph),
+        T[:3, 3],
+        max_vertices=settings.max_hull_vertices,
+        max_faces=settings.scan_max_faces,
+    )
+    return Body(i, entity.name, robot, T, free, recentred(entity.mesh, T[:3, 3]))
+
+
+def rigid(T: np.ndarray) -> np.ndarray:
+    """The nearest rigid transform: float32 leaves a rotation a little off."""
+    T = np.array(T, np.float64)
+    u, _, vt = np.linalg.svd(T[:3, :3])
+    T[:3, :3] = u @ vt
+    return T
+
+
+def support_height(i: int, entities: Entities, graph: ContactGraph) -> float | None:
+    """Height at which the entity's refined box stands; None where nothing carries it."""
+    if graph.parent[i] < 0:
+        return None
+    box = graph.refined_box
+    return float(box.center[i, 2] - box.size[i, 2] / 2)
+
+
+def niches_of(i: int, entities: Entities, graph: ContactGraph) -> tuple[Niche, ...]:
+    """Room for each entity that this one carries."""
+    box, found = graph.refined_box, []
+    for c in graph.children(i):
+        plane = int(graph.support_plane[c])
+        bottom = float(box.center[c, 2] - box.size[c, 2] / 2)
+        if plane >= 0:
+            bottom = float(np.mean(entities[i].planes.corners[plane, :, 2]))
+        found.append(
+            Niche(
+                plane_m=bottom,
+                top_m=float(box.center[c, 2] + box.size[c, 2] / 2) + _NICHE_MARGIN_M,
+                center=np.asarray(box.center[c, :2], np.float64),
+                yaw=float(box.yaw[c]),
+                half=np.asarray(box.size[c, :2], np.float64) / 2 + _NICHE_MARGIN_M,
+            )
+        )
+    return tuple(found)
+
+
+def placed_robot(model: CadModel, scale: np.ndarray, name: str) -> RobotModel:
+    """The model at its scale, its links and joints named as in the scene.
+
+    Raises:
+        SceneError: three different scales for a model with joints (they would shear its hinges).
+    """
+    scale = np.asarray(scale, np.float64)
+    if np.ptp(scale) <= 1e-6 * scale.max():
+        return named_in_scene(scaled(model.robot, float(scale[0])), name)
+    if model.robot.joints:
+        raise SceneError(
+            f"{name}: {model.id} has joints and the scales {scale.tolist()}",
+            "scale models with joints equally along all axes",
+        )
+    link = stretched(model.robot.links[0], scale)
+    return named_in_scene(RobotModel(model.id, (link,), ()), name)
+
+
+def stretched(link: Link, scale: np.ndarray) -> Link:
+    """A link scaled by three factors: second moments go with det(S) S M S."""
+
+    def mesh(m: Mesh) -> Mesh:
+        moved = (np.asarray(m.vertices, np.float64) * scale).astype(np.float32)
+        normals = None
+        if m.normals is not None:
+            turned = m.normals / scale
+            normals = (turned / np.linalg.norm(turned, axis=1, keepdims=True)).astype(np.float32)
+        return dataclasses.replace(m, vertices=moved, normals=normals)
+
+    det, I = float(np.prod(scale)), np.asarray(link.inertia, np.float64)
+    moments = det * np.outer(scale, scale) * (np.trace(I) / 2 * np.eye(3) - I)
+    return Link(
+        link.name,
+        tuple(dataclasses.replace(v, mesh=mesh(v.mesh)) for v in link.visuals),
+        tuple(mesh(h) for h in link.hulls),
+        link.mass_kg * det,
+        np.asarray(link.com) * scale,
+        np.trace(moments) * np.eye(3) - moments,
+    )
+
+
+def body_hulls(body: Body) -> list[Hull]:
+    """Collision hulls of all links, world frame, joints at zero."""
+    poses = link_transforms(body.robot)
+    return [
+        hull_of_mesh(mesh).moved(body.T_world_root @ poses[link.name])
+        for link in body.robot.links
+        for mesh in link.hulls
+    ]
+
+
+def slab_hull(slab: Slab) -> Hull:
+    return box_hull(slab.size, slab.T_world_slab)

@@ -1,0 +1,140 @@
+"""The MuJoCo layer: contacts, settling, pushing, drawing."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+import pytest
+
+from isr_jax import simulation
+from isr_jax.drawing import render
+from isr_jax.errors import SceneError
+from isr_jax.robot_model.mjcf import ContactModel
+
+GRAVITY = 9.81
+
+
+def scene(tmp_path, *bodies: str, option: str = "") -> mujoco.MjModel:
+    """A floor box below z = 0 and the given bodies."""
+    contact = ContactModel()
+    solimp = " ".join(map(str, contact.solimp))
+    text = f"""<mujoco><option timestep="0.002" cone="elliptic" impratio="10" {option}/>
+    <default><geom solref="{contact.solref[0]} 1" solimp="{solimp}" friction="0.8"/></default>
+    <worldbody><body name="floor" pos="0 0 -0.05"><geom type="box" size="3 3 0.05"/></body>
+    {"".join(bodies)}</worldbody></mujoco>"""
+    path = tmp_path / "scene.xml"
+    path.write_text(text)
+    return simulation.load_model(path)
+
+
+def cube(name: str, x: float, z: float, mass: float = 1.0, half: float = 0.1) -> str:
+    return (
+        f'<body name="{name}" pos="{x} 0 {z}"><freejoint/>'
+        f'<geom type="box" size="{half} {half} {half}" mass="{mass}"/></body>'
+    )
+
+
+def test_overlap_is_reported_with_its_depth(tmp_path):
+    model = scene(tmp_path, cube("a", 0, 0.1), cube("b", 0.19, 0.1), cube("c", 1, 0.097))
+    found = {(t.body_a, t.body_b): t.depth_m for t in simulation.touches(model)}
+    assert np.isclose(found["a", "b"], 0.01, atol=1e-6)
+    assert np.isclose(found["floor", "c"], 0.003, atol=1e-6)
+    deepest = simulation.touches(model)[0]
+    assert (deepest.body_a, deepest.body_b) == ("a", "b") and deepest.contacts >= 1
+
+
+def test_falling_follows_gravity(tmp_path):
+    path = simulation.simulate(scene(tmp_path, cube("a", 0, 2.0)), 0.5, 0.1)
+    fallen = path.position_m[0, 0, 2] - path.position_m[:, 0, 2]
+    # semi-implicit steps overshoot g t^2 / 2 by g t dt / 2
+    expected = GRAVITY * path.time_s * (path.time_s + 0.002) / 2
+    assert np.allclose(fallen, expected, atol=1e-6)
+
+
+def test_a_heavy_stack_sinks_less_than_half_a_millimetre(tmp_path):
+    model = scene(tmp_path, cube("a", 0, 0.1), cube("b", 0, 0.3), cube("c", 0, 0.5, mass=50.0))
+    path = simulation.simulate(model, 3.0)
+    drift = np.linalg.norm(path.position_m[-1] - path.position_m[0], axis=-1)
+    assert np.all(drift < 5e-4) and not path.warnings
+
+
+def test_simulation_repeats_exactly(tmp_path):
+    model = scene(tmp_path, cube("a", 0, 0.5), cube("b", 0.05, 0.8))
+    first, second = (simulation.simulate(model, 1.0) for _ in range(2))
+    assert np.array_equal(first.position_m, second.position_m)
+    assert np.array_equal(first.quaternion, second.quaternion)
+
+
+def test_a_push_moves_what_friction_does_not_hold(tmp_path):
+    moved = {}
+    for force in (5.0, 12.0):  # friction of 1 kg holds 0.8 * 9.81 N = 7.8 N
+        model = scene(tmp_path, cube("a", 0, 0.1))
+        data = mujoco.MjData(model)
+        low = np.array([0.0, 0, -0.08])
+        simulation.push(model, data, "a", np.array([force, 0, 0]), low, 0.5)
+        moved[force] = data.body("a").xpos[0]
+    # a hair of creep remains in soft friction; (12 - 7.8) / 1 * 0.5^2 / 2 = 0.52 m
+    assert abs(moved[5.0]) < 1e-3
+    assert np.isclose(moved[12.0], (12 - 0.8 * GRAVITY) * 0.5**2 / 2, rtol=0.1)
+
+
+def door(blocked: bool) -> str:
+    block = '<geom name="block" type="box" size="0.02 0.02 0.2" pos="0.3 0.3 0.5"/>'
+    return f"""<body name="frame">{block if blocked else ""}
+    <body name="leaf" pos="0 0 0.5"><joint name="hinge" axis="0 0 1" range="0 90"
+    limited="true" damping="0.1" frictionloss="0.2"/>
+    <geom type="box" size="0.25 0.01 0.2" pos="0.27 0 0" mass="5"/></body></body>"""
+
+
+def test_joint_travel_reaches_both_ends(tmp_path):
+    travel = simulation.joint_travel(scene(tmp_path, door(blocked=False)), "hinge")
+    assert np.allclose(travel.limits, [0, np.pi / 2])
+    assert travel.share > 0.99
+
+
+def test_a_blocked_joint_shows(tmp_path):
+    # the block's near corner stands at 40 degrees or so: the leaf stops before it
+    travel = simulation.joint_travel(scene(tmp_path, door(blocked=True)), "hinge")
+    assert 0.2 < travel.share < 0.6
+
+
+def test_perturbed_start_never_goes_down_and_is_seeded(tmp_path):
+    model = scene(tmp_path, cube("a", 0, 0.1), cube("b", 1, 0.1))
+    draws = [simulation.perturbed_start(model, np.random.default_rng(s), 0.01) for s in (0, 0, 1)]
+    assert np.array_equal(draws[0], draws[1]) and not np.array_equal(draws[0], draws[2])
+    assert np.all(draws[0].reshape(2, 7)[:, 2] >= 0.1)
+    assert np.allclose(np.linalg.norm(draws[0].reshape(2, 7)[:, 3:], axis=1), 1)
+
+
+def test_freeing_leaves_the_anchored(tmp_path):
+    scene(tmp_path, '<body name="shelf" pos="0 0 1"><geom type="box" size=".1 .1 .1"/></body>')
+    freed = simulation.load_freed(tmp_path / "scene.xml", ("floor",))
+    assert simulation.free_bodies(freed) == ("shelf",)
+    assert simulation.static_bodies(freed) == ("floor",)
+
+
+def test_bounds_hold_all_geoms(tmp_path):
+    low, high = simulation.bounds(scene(tmp_path, cube("a", 0, 2.0)), 0.5)
+    assert np.allclose(low, [-3.5, -3.5, -0.6]) and np.allclose(high, [3.5, 3.5, 2.6])
+
+
+@pytest.mark.parametrize("load", [simulation.load_model, lambda p: simulation.load_freed(p, ())])
+def test_bad_files_are_named(tmp_path, load):
+    with pytest.raises(SceneError, match=r"nothing\.xml"):
+        load(tmp_path / "nothing.xml")
+    (tmp_path / "broken.xml").write_text("<mujoco><worldbody><bod/></worldbody></mujoco>")
+    with pytest.raises(SceneError, match=r"broken\.xml"):
+        load(tmp_path / "broken.xml")
+
+
+def test_drawing_writes_a_picture_or_says_why(tmp_path):
+    scene(
+        tmp_path, cube("a", 0, 0.1), '<camera name="overview" pos="0 -2 1" xyaxes="1 0 0 0 .4 1"/>'
+    )
+    picture = tmp_path / "picture.png"
+    try:
+        render(tmp_path / "scene.xml", picture, width=64, height=48)
+    except SceneError as error:
+        assert "EGL" in error.hint
+        pytest.skip(f"no OpenGL here: {error.problem[:80]}")
+    assert picture.stat().st_size > 100
