@@ -1,0 +1,24 @@
+"""Synthetic rooms: a furnished room from a seed, its RGB-D sequence, and the truth about it."""
+
+from ..config import NoiseModel
+from .furnish import builtin_room, make_room
+from .noise import NO_NOISE
+from .render import render_sequence
+from .room import LayoutPatch, PlacedModel, Room
+from .truth import true_entities, truth_scene
+
+VERSION: int = 1
+
+__all__ = [
+    "NO_NOISE",
+    "VERSION",
+    "LayoutPatch",
+    "NoiseModel",
+    "PlacedModel",
+    "Room",
+    "builtin_room",
+    "make_room",
+    "render_sequence",
+    "true_entities",
+    "truth_scene",
+]
