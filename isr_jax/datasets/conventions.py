@@ -1,0 +1,85 @@
+"""Pose files and the conventions that poses come in.
+
+Inside, a pose is camera to dataset with OpenCV axes (x right, y down, z forward); the other
+conventions are converted here, at the border.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from ..errors import FrameError, SequenceError
+
+CONVENTIONS = (
+    "opencv_camera_to_world",
+    "opencv_world_to_camera",
+    "opengl_camera_to_world",
+    "opengl_world_to_camera",
+)
+"""Axes of the camera (OpenGL: y up, z backward), and which way the matrix maps."""
+
+_FLIP_YZ = np.diag([1.0, -1.0, -1.0, 1.0])
+_LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
+_ROTATION_TOLERANCE = 1e-2
+"""Largest entry of R R^T - I that counts as rounding; recordings with 4 digits reach 1e-3."""
+
+
+def to_camera_to_dataset(
+    matrix: Float[np.ndarray, "4 4"], convention: str
+) -> Float[np.ndarray, "4 4"]:
+    """A recorded pose as camera to dataset with OpenCV axes."""
+    pose = np.linalg.inv(matrix) if convention.endswith("world_to_camera") else matrix
+    return pose @ _FLIP_YZ if convention.startswith("opengl") else pose
+
+
+def from_camera_to_dataset(
+    pose: Float[np.ndarray, "4 4"], convention: str
+) -> Float[np.ndarray, "4 4"]:
+    """The inverse of `to_camera_to_dataset`."""
+    matrix = pose @ _FLIP_YZ if convention.startswith("opengl") else pose
+    return np.linalg.inv(matrix) if convention.endswith("world_to_camera") else matrix
+
+
+def check_convention(name: str, source: Path) -> str:
+    """``name`` if it is one of `CONVENTIONS`; else `SequenceError`."""
+    if name not in CONVENTIONS:
+        raise SequenceError(
+            f"{source}: pose_convention = {name!r}", f"use one of: {', '.join(CONVENTIONS)}"
+        )
+    return name
+
+
+def read_pose(path: Path, data: bytes) -> Float[np.ndarray, "4 4"]:
+    """A 4x4 matrix from the text of a pose file, checked by `checked_pose`."""
+    try:
+        values = [float(v) for v in data.replace(b",", b" ").split()]
+    except ValueError as error:
+        raise FrameError(f"{path} is no pose: {error}", "write 4 rows of 4 numbers") from None
+    if len(values) != 16:
+        raise FrameError(f"{path} holds {len(values)} numbers, not 16", "write 4 rows of 4 numbers")
+    return checked_pose(np.array(values).reshape(4, 4), str(path))
+
+
+def checked_pose(matrix: Float[np.ndarray, "4 4"], source: str) -> Float[np.ndarray, "4 4"]:
+    """A rigid transform, its rotation made exact; `FrameError` where it is none."""
+    if not np.isfinite(matrix).all():
+        raise FrameError(
+            f"{source}: the pose holds NaN or infinity", "tracking was lost here: drop the frame"
+        )
+    rotation = matrix[:3, :3]
+    error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
+    mirrored = np.linalg.det(rotation) < 0
+    if error > _ROTATION_TOLERANCE or mirrored or np.abs(matrix[3] - _LAST_ROW).max() > 1e-6:
+        what = "mirrored" if mirrored and error <= _ROTATION_TOLERANCE else "no rotation"
+        raise FrameError(
+            f"{source}: the pose is {what} (R R^T differs from I by {error:.3g}, "
+            f"last row {matrix[3].tolist()})",
+            "write [R t; 0 0 0 1] with a right-handed rotation and metres",
+        )
+    u, _, vt = np.linalg.svd(rotation)
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = u @ vt, matrix[:3, 3]
+    return pose

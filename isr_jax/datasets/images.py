@@ -1,0 +1,79 @@
+"""Border: OpenCV. Colour and depth images from files, with damage told from content."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from ..errors import FrameError
+
+_TAIL_BYTES = 64
+"""An end marker stands this near the end; some cameras append a few bytes of padding."""
+_NO_RETURN = 65535
+"""Kinect recordings mark missing depth with the largest value as well as with 0."""
+
+
+def read_color(path: Path) -> UInt8[np.ndarray, "height width 3"]:
+    """An RGB image; raises `FrameError` when the file is missing, cut off or no image."""
+    image = _decode(path, cv2.IMREAD_COLOR_RGB)
+    return np.ascontiguousarray(image)
+
+
+def read_depth(path: Path, units_per_metre: float) -> Float[np.ndarray, "height width"]:
+    """Depth in metres, 0 = no return; the file holds ``units_per_metre`` as 16-bit integers."""
+    image = _decode(path, cv2.IMREAD_UNCHANGED)
+    if image.dtype != np.uint16 or image.ndim != 2:
+        channels = 1 if image.ndim == 2 else image.shape[2]
+        raise FrameError(
+            f"{path} holds {channels} channel(s) of {image.dtype}, not one of uint16",
+            "write depth as a 16-bit single-channel PNG",
+        )
+    depth_m = image.astype(np.float32) / np.float32(units_per_metre)
+    depth_m[image == _NO_RETURN] = 0.0
+    return depth_m
+
+
+def resize_color(
+    color: UInt8[np.ndarray, "height width 3"], width: int, height: int
+) -> UInt8[np.ndarray, "new_height new_width 3"]:
+    """The image at another size, averaged where it shrinks."""
+    shrinks = width < color.shape[1]
+    method = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    return np.asarray(cv2.resize(color, (width, height), interpolation=method), np.uint8)
+
+
+def _decode(path: Path, flags: int) -> np.ndarray:
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise FrameError(f"{path}: {error.strerror}", "restore the file or skip it") from None
+    _check_end(path, data[:2], data[-_TAIL_BYTES:], len(data))
+    try:
+        image = cv2.imdecode(np.frombuffer(data, np.uint8), flags)
+    except cv2.error as error:
+        raise FrameError(f"{path} cannot be decoded: {error.err}", "write it again") from None
+    if image is None:
+        raise FrameError(f"{path} is damaged or no image", "write it again as JPEG or PNG")
+    return image
+
+
+def check_complete(path: Path) -> None:
+    """Raises `FrameError` for a cut file without decoding it."""
+    with path.open("rb") as file:
+        start = file.read(2)
+        size = file.seek(0, 2)
+        file.seek(max(0, size - _TAIL_BYTES))
+        _check_end(path, start, file.read(), size)
+
+
+def _check_end(path: Path, start: bytes, tail: bytes, size: int) -> None:
+    """OpenCV fills what is missing of a cut JPEG with grey; only the end marker tells."""
+    marker = {b"\xff\xd8": b"\xff\xd9", b"\x89P": b"IEND"}.get(start)
+    if size == 0 or (marker is not None and marker not in tail):
+        raise FrameError(
+            f"{path} is cut off: it ends after {size} bytes without its end marker",
+            "copy or record the file again",
+        )

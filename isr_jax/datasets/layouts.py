@@ -1,0 +1,54 @@
+"""Which layout a folder has, and its reader."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ..errors import SequenceError
+from . import plain_folder, seven_scenes, tum
+from .recording import Recording
+
+_READERS = {"tum": tum, "7scenes": seven_scenes, "plain": plain_folder}
+_KNOWN = (
+    "7scenes (frame-NNNNNN.color.jpg, .depth.png, .pose.txt), "
+    "tum (rgb.txt, depth.txt, groundtruth.txt), "
+    "plain (rgb/, depth/, poses/, intrinsics.json)"
+)
+
+
+def detect_format(path: Path) -> str:
+    """``7scenes``, ``tum`` or ``plain``; raises `SequenceError` for anything else."""
+    names = _entries(path)
+    found = next((f for f, reader in _READERS.items() if reader.matches(names)), None)
+    if found is not None:
+        return found
+    below = sorted(n for n in names if (path / n).is_dir() and _looks_known(path / n))
+    if below:
+        raise SequenceError(f"{path} holds sequences", f"give one of them: {path / below[0]}")
+    held = ", ".join(sorted(names)[:5]) or "nothing"
+    raise SequenceError(
+        f"{path} is no known sequence: it holds {held}", f"known layouts are: {_KNOWN}"
+    )
+
+
+def read_recording(path: Path, format: str | None) -> Recording:
+    """Read a folder's file names, poses and intrinsics; at least one frame must be complete."""
+    format = format or detect_format(path)
+    if format not in _READERS:
+        raise SequenceError(f"unknown format {format!r}", f"use one of: {', '.join(_READERS)}")
+    recording = _READERS[format].read(path, _entries(path))
+    if not recording.frames:
+        raise SequenceError(f"{path} has no frames", f"known layouts are: {_KNOWN}")
+    return recording
+
+
+def _entries(path: Path) -> set[str]:
+    try:
+        return set(os.listdir(path))
+    except OSError as error:
+        raise SequenceError(f"{path}: {error.strerror}", "give the folder of a sequence") from None
+
+
+def _looks_known(path: Path) -> bool:
+    return any(reader.matches(_entries(path)) for reader in _READERS.values())

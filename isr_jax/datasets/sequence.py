@@ -1,0 +1,170 @@
+"""`open_sequence`: checks a recording where it is opened and delivers frames in the world."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import hashlib
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from ..config import InputSettings
+from ..errors import FrameError, SequenceError
+from ..types import Camera, Frame
+from .checks import (
+    check_convention_holds,
+    check_depth_unit,
+    pose_of,
+    read_samples,
+    recorded_camera,
+    sampled_cloud,
+)
+from .images import read_color, resize_color
+from .layouts import read_recording
+from .recording import RecordedFrame, Recording, present
+from .world_frame import WorldFrame, find_world_frame
+
+_ASPECT_TOLERANCE = 0.02
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class RecordedSequence:
+    """A `types.Sequence` over a recording. Made by `open_sequence`."""
+
+    name: str
+    camera: Camera
+    T_world_dataset: Float[np.ndarray, "4 4"]
+    world: WorldFrame
+    recording: Recording
+    settings: InputSettings
+    notes: tuple[str, ...]
+    """What was assumed or changed, for the user."""
+
+    def __len__(self) -> int:
+        return len(self.recording.frames)
+
+    def __getitem__(self, index: int) -> Frame:
+        """Decode a frame; safe to call from several threads."""
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"frame {index} of {len(self)}")
+        index %= len(self)
+        recorded = self.recording.frames[index]
+        pose = pose_of(recorded)
+        depth_m = self._depth_m(recorded)
+        return Frame(
+            index=index,
+            name=recorded.name,
+            color=self._color(recorded),
+            depth_m=depth_m,
+            T_world_camera=(self.T_world_dataset @ pose).astype(np.float32),
+            camera=self.camera,
+        )
+
+    def content_hash(self) -> str:
+        """Hex digest of files, poses, the world frame and the depth that is believed."""
+        limits = self.settings.depth_min_m, self.settings.depth_max_m
+        text = f"{self._recording_hash} {limits} {self.T_world_dataset.tobytes().hex()}"
+        return hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+
+    @functools.cached_property
+    def _recording_hash(self) -> str:
+        return self.recording.content_hash()
+
+    def _depth_m(self, recorded: RecordedFrame) -> np.ndarray:
+        depth_m = self.recording.depth_m(recorded)
+        expected = (self.camera.height, self.camera.width)
+        if depth_m.shape != expected:
+            raise FrameError(
+                f"{recorded.depth} is {depth_m.shape[1]}x{depth_m.shape[0]}, the others are "
+                f"{expected[1]}x{expected[0]}",
+                "drop the frame",
+            )
+        low, high = self.settings.depth_min_m, self.settings.depth_max_m
+        depth_m[(depth_m < low) | (depth_m > high)] = 0.0
+        return depth_m
+
+    def _color(self, recorded: RecordedFrame) -> np.ndarray:
+        color = read_color(present(recorded, recorded.color, "colour"))
+        width, height = self.camera.width, self.camera.height
+        if color.shape[:2] == (height, width):
+            return color
+        _check_aspect(recorded, color, width, height)
+        return resize_color(color, width, height)
+
+
+def open_sequence(
+    path: str | Path, settings: InputSettings | None = None, *, format: str | None = None
+) -> RecordedSequence:
+    """Open a posed RGB-D sequence; its frames come in the world frame (z up, floor at 0).
+
+    Raises `SequenceError` for what would spoil every frame: no frames, no intrinsics or those of
+    another resolution, depth in another unit, poses of another convention, no floor.
+
+    Args:
+        path: Folder of a 7-Scenes, TUM RGB-D or plain sequence.
+        settings: Which depth is believed; picking frames is left to who iterates.
+        format: ``7scenes``, ``tum`` or ``plain``; by default found from the folder's entries.
+    """
+    settings = settings or InputSettings()
+    recording = read_recording(Path(path), format)
+    samples = read_samples(recording)
+    camera = recorded_camera(recording, samples)
+    check_depth_unit(recording, samples)
+    unconfirmed = check_convention_holds(recording, samples, camera)
+    world = find_world_frame(sampled_cloud(samples, camera, settings), recording.gravity)
+    return RecordedSequence(
+        name=Path(path).resolve().name,
+        camera=camera,
+        T_world_dataset=world.T_world_dataset,
+        world=world,
+        recording=recording,
+        settings=settings,
+        notes=(
+            *recording.notes,
+            *unconfirmed,
+            *color_notes(recording, camera),
+            *_unusable_note(recording),
+        ),
+    )
+
+
+def color_notes(recording: Recording, camera: Camera) -> tuple[str, ...]:
+    """Says so where colour is resized; `SequenceError` where it cannot be of the same view."""
+    for recorded in recording.frames[:5]:
+        try:
+            color = read_color(present(recorded, recorded.color, "colour"))
+        except FrameError:
+            continue
+        if color.shape[:2] == (camera.height, camera.width):
+            return ()
+        try:
+            _check_aspect(recorded, color, camera.width, camera.height)
+        except FrameError as error:
+            raise SequenceError(error.problem, error.hint) from None
+        return (
+            f"colour is {color.shape[1]}x{color.shape[0]}; it is resized to the depth's "
+            f"{camera.width}x{camera.height}",
+        )
+    return ()
+
+
+def _unusable_note(recording: Recording) -> tuple[str, ...]:
+    bad = [f for f in recording.frames if not (f.color and f.depth) or _is_error(f.pose)]
+    count = len(recording.frames)
+    return (f"{len(bad)} of {count} frames lack a file or a pose",) if bad else ()
+
+
+def _is_error(pose: np.ndarray | FrameError) -> bool:
+    return isinstance(pose, FrameError)
+
+
+def _check_aspect(recorded: RecordedFrame, color: np.ndarray, width: int, height: int) -> None:
+    ratio = color.shape[1] / color.shape[0] / (width / height)
+    if abs(ratio - 1) > _ASPECT_TOLERANCE:
+        raise FrameError(
+            f"{recorded.color} is {color.shape[1]}x{color.shape[0]}, depth is {width}x{height}: "
+            "these cannot be of one view",
+            "register colour to depth first",
+        )

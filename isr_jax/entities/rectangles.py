@@ -1,0 +1,89 @@
+"""Minimum-area rectangles and gravity-aligned boxes that a few stray points do not stretch."""
+
+from __future__ import annotations
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from ..geometry import canonical_box
+from ..types import Box
+
+_ROUNDS = 3
+"""Trim and fit anew this often; the trimmed set settles after one or two."""
+
+
+def hull_points(points: Float[np.ndarray, "points 2"]) -> Float[np.ndarray, "hull 2"]:
+    """Corners of the convex hull; the points themselves where they lie on one line."""
+    try:
+        return points[ConvexHull(points).vertices]
+    except (QhullError, ValueError):
+        return points
+
+
+def min_area_angle(points: Float[np.ndarray, "points 2"]) -> float:
+    """Direction of a side of the least rectangle around the points, in [-pi/4, pi/4).
+
+    One side of it lies on the hull (Freeman and Shapira, 1975), so every hull edge is tried; ties
+    go to the direction nearest the axes. Points on one line give the direction of the line.
+    """
+    hull = hull_points(np.asarray(points, np.float64))
+    edges = np.roll(hull, -1, 0) - hull
+    edges = edges[np.linalg.norm(edges, axis=1) > 1e-9]
+    if len(edges) == 0:
+        return 0.0
+    angles = np.arctan2(edges[:, 1], edges[:, 0])
+    angles = np.mod(angles + np.pi / 4, np.pi / 2) - np.pi / 4
+    along = np.stack([np.cos(angles), np.sin(angles)], 1)
+    across = np.stack([-along[:, 1], along[:, 0]], 1)
+    area = np.ptp(along @ hull.T, 1) * np.ptp(across @ hull.T, 1)
+    best = np.lexsort((np.abs(angles), np.round(area, 9)))[0]
+    return float(angles[best])
+
+
+def trimmed_range(values: Float[np.ndarray, " points"], trim: float, margin: float):
+    """Least and greatest value, without strays.
+
+    The outer ``trim`` of an end counts as stray only if it lies farther than ``margin`` beyond the
+    rest, so a clean outline keeps its exact extent.
+    """
+    low, high = np.quantile(values, [trim, 1 - trim])
+    kept = values[(values >= low - margin) & (values <= high + margin)]
+    return float(kept.min()), float(kept.max())
+
+
+def robust_rectangle(points: Float[np.ndarray, "points 2"], trim: float, margin: float):
+    """Angle, low corner and high corner (in the turned axes) of the least trimmed rectangle."""
+    points = np.asarray(points, np.float64)
+    kept = points
+    for _ in range(_ROUNDS):
+        angle = min_area_angle(kept)
+        turned = points @ _turn(angle)
+        ranges = [trimmed_range(turned[:, k], trim, margin) for k in range(2)]
+        low, high = np.array(ranges).T
+        kept = points[np.all((turned >= low - 1e-9) & (turned <= high + 1e-9), 1)]
+    return angle, low, high
+
+
+def _turn(angle: float) -> np.ndarray:
+    """[2, 2]: row vectors times this are in axes turned by ``angle``."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])
+
+
+def rectangle_corners(angle: float, low, high) -> Float[np.ndarray, "4 2"]:
+    """Corners of a turned rectangle, counter-clockwise."""
+    corners = np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
+    return corners @ _turn(angle).T
+
+
+def gravity_box(
+    vertices: Float[np.ndarray, "vertices 3"], trim: float, margin: float, min_size_m: float
+) -> Box:
+    """Least gravity-aligned box around the vertices, strays left out; no side below a minimum."""
+    angle, low, high = robust_rectangle(vertices[:, :2], trim, margin)
+    z = trimmed_range(vertices[:, 2].astype(np.float64), trim, margin)
+    size = np.array([high[0] - low[0], high[1] - low[1], z[1] - z[0]])
+    middle = (low + high) / 2 @ _turn(angle).T
+    center = np.array([middle[0], middle[1], (z[0] + z[1]) / 2])
+    return canonical_box(center, angle, np.maximum(size, min_size_m))

@@ -1,0 +1,7 @@
+"""Panoptic mapping: posed frames and their segments to one sparse voxel map (paper, sec. IV)."""
+
+from .mapper import PanopticMapper
+
+VERSION: int = 1
+
+__all__ = ["VERSION", "PanopticMapper"]

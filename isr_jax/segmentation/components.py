@@ -1,0 +1,19 @@
+"""Border: connected components of images (OpenCV)."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Int
+
+
+def connected_components(
+    mask: Bool[np.ndarray, "height width"],
+) -> tuple[Int[np.ndarray, "height width"], Int[np.ndarray, " components"]]:
+    """Components of 4 neighbours: a label a pixel (0 = outside) and the pixels of each label."""
+    count, label, stats, _ = cv2.connectedComponentsWithStats(
+        np.ascontiguousarray(mask, np.uint8), connectivity=4, ltype=cv2.CV_32S
+    )
+    area = np.array(stats[:count, cv2.CC_STAT_AREA], np.int64)
+    area[0] = 0
+    return np.asarray(label), area

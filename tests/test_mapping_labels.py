@@ -1,0 +1,175 @@
+"""Label fusion: votes, triplet counts, merges of labels, regulation of instances."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from isr_jax.classes import class_named
+from isr_jax.config import MappingSettings
+from isr_jax.mapping.labels import LabelFusion
+from isr_jax.mapping.pool import LABEL_BITS, LABEL_MASK
+from isr_jax.mapping.votes import Votes, assign_labels, count_votes, overlapping_pairs
+
+CHAIR, TABLE, FLOOR = (class_named(n).id for n in ("chair", "table", "floor"))
+SETTINGS = MappingSettings(min_votes=5)
+
+
+def votes_of(table) -> Votes:
+    """From a dense [segments, labels] table; column 0 is voxels without a label."""
+    table = np.asarray(table)
+    segment, label = np.nonzero(table[:, 1:])
+    return Votes(segment, label + 1, table[segment, label + 1], table.sum(1))
+
+
+def observe(fusion, label_of, class_of, instance_of):
+    fusion.observe(np.array([0, *label_of]), np.array([0, *class_of]), np.array([0, *instance_of]))
+
+
+def with_labels(count, **changes) -> LabelFusion:
+    fusion = LabelFusion(dataclasses.replace(SETTINGS, **changes))
+    for _ in range(count):
+        fusion._fresh_label()
+    return fusion
+
+
+def test_votes_are_counted_and_merged_labels_vote_for_what_they_became():
+    hits = np.full((2, 512), LABEL_MASK, np.uint32)
+    hits[0, :7] = (3 << LABEL_BITS) | 2
+    hits[1, :4] = (3 << LABEL_BITS) | 5
+    hits[1, 4:9] = (1 << LABEL_BITS) | 0
+    hits[1, 9:12] = (1 << LABEL_BITS) | LABEL_MASK  # labelled, but no vote
+    votes = count_votes(hits, np.array([0, 1, 2, 3, 4, 2]), 4)
+    assert votes.total.tolist() == [0, 5, 0, 11]
+    assert [(s, l, c) for s, l, c in zip(votes.segment, votes.label, votes.count)] == [(3, 2, 11)]
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    st.lists(st.lists(st.integers(0, 60), min_size=6, max_size=6), min_size=1, max_size=6),
+    st.integers(1, 30),
+)
+def test_assignment_is_one_to_one_and_respects_the_minimum(table, least):
+    votes = votes_of([[0] * 6, *table])
+    label_of = assign_labels(votes, least)
+    given_out = label_of[label_of > 0]
+    assert len(set(given_out)) == len(given_out)
+    for segment, label in enumerate(label_of):
+        if label:
+            assert table[segment - 1][label] >= least
+        else:  # whatever it could have had, another took
+            strong = [l for l in range(1, 6) if segment and table[segment - 1][l] >= least]
+            assert set(strong) <= set(given_out.tolist())
+
+
+def test_a_small_segment_gets_no_label_and_a_large_one_a_fresh_one():
+    fusion = with_labels(1)
+    label_of = fusion.name_segments(votes_of([[0, 0], [4, 0], [50, 0], [3, 40]]), np.arange(4))
+    assert label_of.tolist() == [0, 0, 2, 1]
+
+
+def test_labels_that_share_a_segment_merge_after_enough_frames():
+    fusion = with_labels(2, merge_min_frames=3)
+    shared = votes_of([[0, 0, 0], [0, 60, 40]])
+    for frame in range(4):
+        assert fusion.canonical[2] == 2, frame
+        label_of = fusion.name_segments(shared, np.array([1]))
+    assert fusion.canonical.tolist() == [0, 1, 1]
+    assert label_of[1] == 1
+
+
+def test_a_rim_of_another_label_is_no_overlap():
+    assert overlapping_pairs(votes_of([[0, 0, 0], [0, 85, 15]]), 0.2) == []
+    assert overlapping_pairs(votes_of([[0, 0, 0], [0, 75, 25]]), 0.2) == [(1, 2)]
+
+
+def test_labels_of_different_classes_never_merge_unless_pairwise():
+    for fusion_name, merged in (("panoptic", False), ("voxblox++", True)):
+        fusion = with_labels(2, fusion=fusion_name, merge_min_frames=1)
+        for _ in range(3):
+            observe(fusion, [1, 2], [TABLE, CHAIR], [1, 2])
+        for _ in range(5):
+            fusion.name_segments(votes_of([[0, 0, 0], [0, 60, 40]]), np.array([1]))
+        assert (fusion.canonical[2] == 1) == merged
+
+
+def test_a_frame_instance_keeps_its_global_instance():
+    fusion = with_labels(3)
+    for frame_instance in (4, 9, 2):  # ids within a frame mean nothing
+        observe(fusion, [1, 2, 3], [CHAIR, CHAIR, CHAIR], [frame_instance, frame_instance, 30])
+    (_, a), (_, b), (_, c) = (fusion.decide(label) for label in (1, 2, 3))
+    assert a == b != c
+
+
+def test_one_global_instance_goes_to_one_frame_instance():
+    fusion = with_labels(2)
+    observe(fusion, [1, 2], [CHAIR, CHAIR], [1, 1])
+    observe(fusion, [1, 2], [CHAIR, CHAIR], [1, 2])
+    assert len(fusion.instance_class) == 3  # none, the first, and a fresh one
+
+
+def test_all_of_a_stuff_class_is_one_instance():
+    fusion = with_labels(3)
+    observe(fusion, [1, 2, 3], [FLOOR, FLOOR, FLOOR], [1, 2, 3])
+    assert {fusion.decide(label) for label in (1, 2, 3)} == {(FLOOR, 1)}
+
+
+def test_triplets_hold_class_and_instance_together():
+    """10 frames table, 6 frames chair: the instance is that of the table, not the most frequent.
+
+    Pair counts may pair the class with an instance that was never of it.
+    """
+    fusion = with_labels(1)
+    for frame in range(10):
+        observe(fusion, [1], [TABLE], [1])
+        if frame < 6:
+            observe(fusion, [1], [CHAIR], [1])
+    class_id, instance = fusion.decide(1)
+    assert class_id == TABLE and fusion.instance_class[instance] == TABLE
+
+
+def test_an_instance_that_is_rarely_seen_is_not_believed():
+    fusion = with_labels(1)
+    observe(fusion, [1], [CHAIR], [1])
+    assert fusion.decide(1) == (CHAIR, 1)
+    for _ in range(12):
+        observe(fusion, [1], [0], [0])
+    assert fusion.decide(1) == (CHAIR, 0)
+
+
+def test_instances_that_lastingly_share_labels_merge():
+    """A chair met from two sides gets two instances; then both sides are seen as one."""
+    fusion = with_labels(2)
+    for _ in range(30):
+        observe(fusion, [1], [CHAIR], [1])
+    for _ in range(15):
+        observe(fusion, [2], [CHAIR], [1])
+    assert fusion.decide(1)[1] != fusion.decide(2)[1]
+    for _ in range(14):
+        observe(fusion, [1, 2], [CHAIR, CHAIR], [1, 1])
+    assert fusion.decide(1)[1] == fusion.decide(2)[1] == 1
+    assert fusion.counts[2] == {(CHAIR, 1): 29}
+
+
+def test_two_chairs_seen_as_two_never_merge():
+    """As above, but other frames show them side by side."""
+    fusion = with_labels(2)
+    for _ in range(40):
+        observe(fusion, [1, 2], [CHAIR, CHAIR], [1, 2])
+    for _ in range(39):
+        observe(fusion, [1, 2], [CHAIR, CHAIR], [1, 1])
+    assert fusion.decide(1)[1] != fusion.decide(2)[1]
+
+
+def test_pair_counts_know_no_regulation():
+    fusion = with_labels(2, fusion="voxblox++")
+    for _ in range(30):
+        observe(fusion, [1], [CHAIR], [1])
+    for _ in range(15):
+        observe(fusion, [2], [CHAIR], [1])
+    for _ in range(14):
+        observe(fusion, [1, 2], [CHAIR, CHAIR], [1, 1])
+    assert fusion.decide(1) == (CHAIR, 1) and fusion.decide(2) == (CHAIR, 2)
