@@ -1,1 +1,89 @@
-"""Turn a walk through a room with an RGB-D camera into a room that a robot can act in."""
+"""Turn a walk through a room with an RGB-D camera into a room that a robot can act in.
+
+    import isr_jax as isr
+
+    sequence = isr.open_sequence("captures/kitchen")
+    scene = isr.reconstruct(sequence, library=isr.load_library("cad_db"))
+    scene.save("out/kitchen")
+    print(isr.settle("out/kitchen/scene.xml"))
+
+Names are imported when they are first used, so that ``isr --help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .alignment import align, alignment_error
+    from .cad import build_library, default_library, load_library
+    from .config import Settings, preset, with_overrides
+    from .datasets import inspect_sequence, open_sequence
+    from .demonstration import demo
+    from .errors import IsrError
+    from .evaluation import evaluate
+    from .pipeline import Scene, furnish, reconstruct, run
+    from .scene_file import read_scene
+    from .segmentation import open_segmenter
+    from .stability import settle
+    from .viewer import view
+
+_HOME = {
+    "IsrError": "errors",
+    "Scene": "pipeline",
+    "Settings": "config",
+    "align": "alignment",
+    "alignment_error": "alignment",
+    "build_library": "cad",
+    "default_library": "cad",
+    "demo": "demonstration",
+    "evaluate": "evaluation",
+    "furnish": "pipeline",
+    "inspect_sequence": "datasets",
+    "load_library": "cad",
+    "open_segmenter": "segmentation",
+    "open_sequence": "datasets",
+    "preset": "config",
+    "read_scene": "scene_file",
+    "reconstruct": "pipeline",
+    "run": "pipeline",
+    "settle": "stability",
+    "view": "viewer",
+    "with_overrides": "config",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
+
+
+__all__ = [
+    "IsrError",
+    "Scene",
+    "Settings",
+    "align",
+    "alignment_error",
+    "build_library",
+    "default_library",
+    "demo",
+    "evaluate",
+    "furnish",
+    "inspect_sequence",
+    "load_library",
+    "open_segmenter",
+    "open_sequence",
+    "preset",
+    "read_scene",
+    "reconstruct",
+    "run",
+    "settle",
+    "view",
+    "with_overrides",
+]

@@ -1,0 +1,285 @@
+"""The command line ``isr``."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+
+from .compile_cache import enable_compilation_cache
+from .config import Settings, preset, settings_from_toml, with_overrides
+from .errors import IsrError
+
+app = tyro.extras.SubcommandApp()
+Positional = tyro.conf.Positional
+
+
+@dataclass(frozen=True)
+class SettingsOptions:
+    """Where the settings of a run come from."""
+
+    preset: str = "default"
+    """default, paper or voxblox++."""
+    config: Path | None = None
+    """A config.toml of an earlier run, instead of a preset."""
+    set: tuple[str, ...] = ()
+    """Changes: mapping.voxel_size_m=0.01 matching.shortlist=20"""
+
+    def resolve(self) -> Settings:
+        base = settings_from_toml(self.config) if self.config else preset(self.preset)
+        return with_overrides(base, list(self.set))
+
+
+Options = Annotated[SettingsOptions, tyro.conf.arg(name="")]
+
+
+class ConsoleReporter:
+    """Progress bars with time left; stages and notes as lines."""
+
+    def __init__(self, console: Console) -> None:
+        self._progress = Progress(
+            TextColumn("{task.description:>14}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+            console=console,
+        )
+        self._tasks: dict[str, int] = {}
+
+    def __enter__(self) -> ConsoleReporter:
+        self._progress.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._progress.stop()
+
+    def stage(self, name: str, reused: bool) -> None:
+        self._progress.console.print(f"[bold]{name}[/]" + ("  (stored result)" if reused else ""))
+
+    def progress(self, name: str, done: int, total: int) -> None:
+        if name not in self._tasks:
+            self._tasks[name] = self._progress.add_task(name, total=total)
+        self._progress.update(self._tasks[name], completed=done, total=total)  # type: ignore[arg-type]
+
+    def note(self, text: str) -> None:
+        self._progress.console.print(f"[yellow]note:[/] {text}")
+
+
+@app.command
+def demo(
+    out: Path = Path("out/demo"),
+    seed: int | None = None,
+    frames: int = 150,
+    segmenter: str = "simulated:strong",
+    options: Options = SettingsOptions(),
+) -> None:
+    """Film a built-in room, reconstruct it, settle it in MuJoCo and score it against the truth.
+
+    Example: isr demo --out out/demo
+
+    Args:
+        out: Folder for the frames and the results.
+        seed: Another room; the built-in one if left out.
+        frames: Length of the walk.
+        segmenter: simulated:perfect, :strong, :medium or :weak.
+        options: Settings.
+    """
+    from .demonstration import demo as run_demo
+    from .summary import headline_table
+
+    console = Console()
+    with ConsoleReporter(console) as reporter:
+        result = run_demo(
+            out,
+            seed=seed,
+            frames=frames,
+            segmenter=segmenter,
+            settings=options.resolve(),
+            reporter=reporter,
+        )
+    console.print(headline_table(result.run, result.evaluation))
+
+
+@app.command
+def run(
+    sequence: Positional[Path],
+    out: Path,
+    segmenter: str = "masks",
+    library: Path | None = None,
+    start_from: Annotated[str | None, tyro.conf.arg(name="from")] = None,
+    options: Options = SettingsOptions(),
+) -> None:
+    """Turn a posed RGB-D sequence into a scene that stands in MuJoCo.
+
+    Example: isr run captures/kitchen --segmenter yolox.onnx+deeplab.onnx --out out/kitchen
+
+    A second run reuses what is finished; a killed one resumes.
+
+    Args:
+        sequence: Folder with the frames (7-Scenes, TUM RGB-D, or rgb/ depth/ poses/).
+        out: Folder for the results.
+        segmenter: ONNX models (a.onnx+b.onnx), masks (a folder with panoptic.json), or
+            simulated:LEVEL for rendered rooms.
+        library: Folder of CAD models; the built-in kit if left out.
+        start_from: Compute this stage and all after it anew: mapping, entities, contact_graph,
+            matching, alignment or physical_check.
+        options: Settings.
+    """
+    from . import pipeline
+    from .summary import run_tables
+
+    console = Console()
+    with ConsoleReporter(console) as reporter:
+        result = pipeline.run(
+            sequence,
+            out,
+            segmenter=segmenter,
+            library=library,
+            settings=options.resolve(),
+            start_from=start_from,
+            reporter=reporter,
+        )
+    for table in run_tables(result):
+        console.print(table)
+
+
+@app.command
+def inspect(sequence: Positional[Path]) -> None:
+    """Say what a sequence is: frames, intrinsics, pose convention, gravity, depth unit, faults.
+
+    Example: isr inspect captures/kitchen
+
+    Args:
+        sequence: Folder with the frames.
+    """
+    from .datasets import inspect_sequence
+
+    Console().print(inspect_sequence(sequence).table())
+
+
+@app.command
+def settle(scene: Positional[Path], duration: float = 5.0) -> None:
+    """Let a scene settle in MuJoCo and print ISR-Stab: penetration, drift, what fell over.
+
+    Example: isr settle out/kitchen/scene.xml
+
+    Args:
+        scene: An MJCF file.
+        duration: Simulated seconds.
+    """
+    from .config import StabilitySettings
+    from .stability import settle as settle_scene
+
+    Console().print(settle_scene(scene, StabilitySettings(duration_s=duration)).table())
+
+
+@app.command(name="eval")
+def evaluate(result: Positional[Path], truth: Positional[Path]) -> None:
+    """Score a result against the truth: panoptic quality, supports, CAD alignment.
+
+    Example: isr eval out/demo out/demo/sequence/truth
+
+    Args:
+        result: Folder that `isr run` wrote.
+        truth: Folder with a true scene.json and observed.npz.
+    """
+    from .evaluation import evaluate as score
+
+    report = score(result, truth)
+    report.write(result / "evaluation.json")
+    Console().print(report.table())
+
+
+@app.command
+def view(result: Positional[Path], port: int = 8080) -> None:
+    """Show a result in the browser: panoptic mesh, boxes, contact graph and placed models.
+
+    Example: isr view out/demo
+
+    Args:
+        result: Folder that `isr run` wrote.
+        port: Port on this machine; stop with Ctrl-C.
+    """
+    from .viewer import view as show
+
+    show(result, port=port)
+
+
+@dataclass(frozen=True)
+class CadBuild:
+    """Write the kit of CAD models; the same bytes every time.
+
+    Example: isr cad build --out cad_db
+    """
+
+    out: Path = Path("cad_db")
+    """Folder for the models."""
+
+
+@dataclass(frozen=True)
+class CadList:
+    """List the models of a library.
+
+    Example: isr cad list cad_db
+    """
+
+    library: Positional[Path | None] = None
+    """Folder of CAD models; the built-in kit if left out."""
+
+
+@app.command
+def cad(
+    action: Annotated[
+        Annotated[CadBuild, tyro.conf.subcommand("build")]
+        | Annotated[CadList, tyro.conf.subcommand("list")],
+        tyro.conf.arg(name=""),
+    ],
+) -> None:
+    """Build or list CAD libraries.
+
+    Example: isr cad list
+    """
+    from .cad import build_library, default_library, load_library
+    from .summary import library_table
+
+    if isinstance(action, CadBuild):
+        with ConsoleReporter(Console()) as reporter:
+            built = build_library(action.out, progress=lambda d, t: reporter.progress("cad", d, t))
+        Console().print(f"{len(built)} models in {action.out}")
+    else:
+        found = load_library(action.library) if action.library else default_library()
+        Console().print(library_table(found))
+
+
+def main() -> None:
+    """Entry point; a user's error is one message and exit status 2."""
+    enable_compilation_cache()
+    try:
+        app.cli(
+            prog="isr",
+            description="From a posed RGB-D sequence to a room that a robot can act in.",
+        )
+    except IsrError as error:
+        Console(stderr=True).print(f"[red]error:[/] {error}", highlight=False)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        Console(stderr=True).print("stopped; what is finished is kept")
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,355 @@
+"""The way through, in the paper's order: map, entities, contact graph, CAD models, a scene."""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+import platform
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from . import alignment, contact_graph, entities, export, mapping, matching
+from . import datasets, physical_check, segmentation, stability
+from .cad import default_library, load_library
+from .cad_types import CadLibrary
+from .config import Settings, preset, settings_to_dict, settings_to_toml
+from .errors import FrameError, OutputError, SequenceError
+from .reporter import LOGGER, LogReporter, Reporter
+from .scene_file import SceneFile
+from .stage_runner import STAGES, StageRunner
+from .store import StageStore
+from .types import (
+    Alignments,
+    ContactGraph,
+    Entities,
+    Frame,
+    FrameSegments,
+    MappingResult,
+    Placement,
+    Sequence,
+    Shortlist,
+)
+
+_PACKAGES = ("jax", "jaxlib", "equinox", "optimistix", "numpy", "scipy", "trimesh", "mujoco")
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Scene:
+    """A reconstructed scene: what is there, what carries it, and which model stands for it."""
+
+    entities: Entities
+    graph: ContactGraph
+    placements: tuple[Placement, ...]
+    library: CadLibrary
+    settings: Settings
+    mapping: MappingResult | None = None
+    """None when the entities did not come from frames."""
+
+    def save(self, out_dir: str | Path) -> SceneFile:
+        """Write scene.json, scene.xml, the URDF package and the GLB; each is read back and checked.
+
+        Raises:
+            OutputError: the folder cannot be written, or an export differs from the scene.
+        """
+        return export.export_scene(
+            self.entities,
+            self.graph,
+            self.placements,
+            self.library,
+            Path(out_dir),
+            self.settings.export,
+            metrics=self._metrics(),
+            all_settings=settings_to_dict(self.settings),
+            versions=versions(),
+            surface=self.mapping.surface if self.mapping else None,
+        )
+
+    def _metrics(self) -> dict[str, Any]:
+        if self.mapping is None:
+            return {}
+        skipped = list(self.mapping.skipped)
+        return {"frames_used": self.mapping.frames_used, "frames_skipped": skipped}
+
+
+def reconstruct(
+    sequence: Sequence,
+    *,
+    library: CadLibrary | None = None,
+    segmenter: segmentation.Segmenter | None = None,
+    settings: Settings | None = None,
+    runner: StageRunner | None = None,
+) -> Scene:
+    """Turn a posed RGB-D sequence into a scene of CAD models that carry each other.
+
+    Args:
+        sequence: From `open_sequence`; frames in the world frame.
+        library: CAD models; by default the package's own.
+        segmenter: From `open_segmenter`; by default the masks that lie beside the frames.
+        settings: From `preset`; by default ``default``.
+        runner: Where stage results are kept and reused; by default nowhere.
+    """
+    settings = settings or preset("default")
+    runner = runner or StageRunner()
+    library = library or default_library()
+    segmenter = segmenter or segmentation.open_segmenter("masks", sequence.source)
+    mapped = runner.run(
+        "mapping",
+        mapping.VERSION,
+        {
+            name: dataclasses.asdict(getattr(settings, name))
+            for name in ("input", "segmentation", "mapping")
+        },
+        {
+            "sequence": sequence.content_hash(),
+            "segmenter": segmenter.content_hash(),
+            "segmentation_version": str(segmentation.VERSION),
+        },
+        MappingResult,
+        lambda: fuse(sequence, segmenter, settings, runner),
+    )
+    found = runner.run(
+        "entities",
+        entities.VERSION,
+        settings.entities,
+        {"map": mapped},
+        Entities,
+        lambda: entities.extract_entities(
+            mapped.surface, sequence.T_world_dataset, settings.entities
+        ),
+    )
+    return dataclasses.replace(furnish(found, library, settings, runner), mapping=mapped)
+
+
+def furnish(
+    found: Entities,
+    library: CadLibrary,
+    settings: Settings,
+    runner: StageRunner | None = None,
+) -> Scene:
+    """Work out what carries what and replace each functional entity by a model that fits."""
+    runner = runner or StageRunner()
+    models = library.content_hash
+    graph = runner.run(
+        "contact_graph",
+        contact_graph.VERSION,
+        settings.contact_graph,
+        {"entities": found},
+        ContactGraph,
+        lambda: contact_graph.build_contact_graphs([found], settings.contact_graph)[0],
+    )
+    shortlist = runner.run(
+        "matching",
+        matching.VERSION,
+        settings.matching,
+        {"entities": found, "graph": graph, "library": models},
+        Shortlist,
+        lambda: matching.match([found], [graph], library, settings.matching)[0],
+    )
+    aligned = runner.run(
+        "alignment",
+        alignment.VERSION,
+        settings.alignment,
+        {"entities": found, "graph": graph, "shortlist": shortlist, "library": models},
+        Alignments,
+        lambda: alignment.align_shortlists(
+            [found], [graph], [shortlist], library, settings.alignment
+        )[0],
+    )
+    placements = runner.run(
+        "physical_check",
+        physical_check.VERSION,
+        settings.physical_check,
+        {"entities": found, "graph": graph, "alignments": aligned, "library": models},
+        tuple,
+        lambda: physical_check.check(
+            found, graph, shortlist, aligned, library, settings.physical_check
+        ),
+    )
+    return Scene(found, graph, placements, library, settings)
+
+
+def fuse(
+    sequence: Sequence,
+    segmenter: segmentation.Segmenter,
+    settings: Settings,
+    runner: StageRunner,
+) -> MappingResult:
+    """Segment every frame and fuse it into one panoptic map; bad frames are skipped and counted."""
+    indices = _frame_indices(sequence, settings)
+    mapper, start, skipped = _resume(sequence, settings, runner)
+    for done, (_, frame) in enumerate(datasets.prefetch(sequence, indices[start:]), start + 1):
+        try:
+            if isinstance(frame, FrameError):
+                raise frame
+            mapper.integrate(frame, _segment(frame, segmenter, settings))
+        except FrameError as error:
+            skipped.append(error.problem)
+            runner.reporter.note(f"frame skipped: {error.problem}")
+            _refuse_too_many(skipped, len(indices), settings, error)
+        every = settings.mapping.checkpoint_every
+        if every and done % every == 0 and done < len(indices):
+            runner.checkpoint("mapping", mapper.save, {"done": done, "skipped": skipped})
+        runner.reporter.progress("mapping", done, len(indices))
+    used = len(indices) - len(skipped)
+    return MappingResult(mapper.surface(), used, tuple(skipped))
+
+
+def _segment(
+    frame: Frame, segmenter: segmentation.Segmenter, settings: Settings
+) -> FrameSegments:
+    return segmentation.segment_frame(
+        frame,
+        segmenter(frame),
+        settings.segmentation,
+        bilateral=settings.mapping.fusion != "voxblox++",
+    )
+
+
+def _frame_indices(sequence: Sequence, settings: Settings) -> list[int]:
+    indices = list(range(0, len(sequence), settings.input.stride))
+    return indices[: settings.input.max_frames or None]
+
+
+def _resume(
+    sequence: Sequence, settings: Settings, runner: StageRunner
+) -> tuple[mapping.PanopticMapper, int, list[str]]:
+    """A fresh mapper, or the one that a killed run left behind."""
+    found = runner.resume("mapping")
+    if found is None:
+        return mapping.PanopticMapper(sequence.camera, settings.mapping), 0, []
+    path, state = found
+    mapper = mapping.PanopticMapper.load(path)
+    runner.reporter.note(f"mapping resumes after {state['done']} frames")
+    return mapper, state["done"], list(state["skipped"])
+
+
+def _refuse_too_many(
+    skipped: list[str], total: int, settings: Settings, last: FrameError
+) -> None:
+    if len(skipped) > settings.input.max_bad_fraction * total:
+        raise SequenceError(
+            f"{len(skipped)} of {total} frames cannot be read; the last: {last.problem}",
+            "mend the sequence (`isr inspect` lists what is wrong), "
+            "or raise input.max_bad_fraction",
+        )
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class RunResult:
+    """What a run wrote."""
+
+    scene: Scene
+    scene_file: SceneFile
+    stability: stability.StabilityReport
+    out_dir: Path
+    seconds: float
+
+
+def run(
+    sequence_dir: str | Path,
+    out_dir: str | Path,
+    *,
+    segmenter: str = "masks",
+    library: str | Path | None = None,
+    settings: Settings | None = None,
+    start_from: str | None = None,
+    reporter: Reporter | None = None,
+) -> RunResult:
+    """The main job: a sequence on disk becomes a folder with a scene that stands in MuJoCo.
+
+    Everything that can be wrong with the input is checked before the first frame is fused. What
+    is finished is kept: a second run reuses it, a killed one resumes.
+
+    Args:
+        sequence_dir: A folder in a layout that `open_sequence` knows.
+        out_dir: Where results go; created.
+        segmenter: As in `open_segmenter`.
+        library: A folder of CAD models; by default the package's own.
+        settings: By default the preset ``default``.
+        start_from: Compute this stage (`stage_runner.STAGES`) and all after it anew.
+        reporter: Receives progress.
+
+    Raises:
+        IsrError: whatever is wrong, with the file and the way out.
+    """
+    started = time.perf_counter()
+    settings = settings or preset("default")
+    out_dir = Path(out_dir)
+    reporter = reporter or LogReporter()
+    with _output(out_dir, settings):
+        models = load_library(Path(library)) if library else default_library()
+        sequence = datasets.open_sequence(Path(sequence_dir), settings.input)
+        masks = segmentation.open_segmenter(
+            segmenter, Path(sequence_dir), settings=settings.segmentation
+        )
+        runner = StageRunner(StageStore(out_dir / "stages"), reporter, start_from)
+        scene = reconstruct(
+            sequence, library=models, segmenter=masks, settings=settings, runner=runner
+        )
+        return finish(scene, out_dir, reporter, started)
+
+
+def run_from_entities(
+    found: Entities,
+    out_dir: str | Path,
+    *,
+    library: CadLibrary,
+    settings: Settings | None = None,
+    reporter: Reporter | None = None,
+) -> RunResult:
+    """As `run`, from entities that are already known (an annotated scan, a synthetic truth)."""
+    started = time.perf_counter()
+    settings = settings or preset("default")
+    out_dir, reporter = Path(out_dir), reporter or LogReporter()
+    with _output(out_dir, settings):
+        runner = StageRunner(StageStore(out_dir / "stages"), reporter)
+        return finish(furnish(found, library, settings, runner), out_dir, reporter, started)
+
+
+def finish(scene: Scene, out_dir: Path, reporter: Reporter, started: float) -> RunResult:
+    """Write the scene, settle it in MuJoCo, keep the verdict beside it."""
+    reporter.stage("export", False)
+    scene_file = scene.save(out_dir)
+    reporter.stage("stability", False)
+    report = stability.settle(out_dir / "scene.xml", scene.settings.stability)
+    report.write(out_dir / "stability.json")
+    seconds = time.perf_counter() - started
+    LOGGER.info("finished in %.1f s: %s", seconds, out_dir)
+    return RunResult(scene, scene_file, report, out_dir, seconds)
+
+
+def versions() -> dict[str, str]:
+    """Versions of this package and of those whose numbers it depends on."""
+    found = {name: version(name) for name in _PACKAGES}
+    return {"isr_jax": version("isr_jax"), "python": platform.python_version(), **found}
+
+
+class _output:
+    """The output folder of a run: made, tried for writing, its log open while the run lasts."""
+
+    def __init__(self, out_dir: Path, settings: Settings) -> None:
+        self._dir, self._settings = out_dir, settings
+
+    def __enter__(self) -> None:
+        try:
+            self._dir.mkdir(parents=True, exist_ok=True)
+            (self._dir / "config.toml").write_text(settings_to_toml(self._settings), "utf-8")
+            self._handler = logging.FileHandler(self._dir / "run.log", encoding="utf-8")
+        except OSError as error:
+            raise OutputError(
+                f"cannot write to {self._dir}: {error.strerror}", "give another --out"
+            ) from None
+        self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
+        LOGGER.addHandler(self._handler)
+        LOGGER.setLevel(min(LOGGER.level or logging.INFO, logging.INFO))
+
+    def __exit__(self, kind: type | None, error: BaseException | None, _: object) -> None:
+        if error is not None:
+            LOGGER.error("stopped: %s", error)
+        LOGGER.removeHandler(self._handler)
+        self._handler.close()
+
+
+__all__ = ["STAGES", "RunResult", "Scene", "finish", "furnish", "fuse", "reconstruct", "run"]
