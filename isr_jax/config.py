@@ -145,10 +145,13 @@ class MappingSettings(_Checked):
         "group", "classes that one instance may have: those of a match group, or (paper) one",
         choices=("group", "class"),
     )
+    instance_min_frames: int = setting(
+        2, "an instance seen in fewer frames is not believed (paper: 1)", low=1
+    )
     instance_merge_ratio: float = setting(
         0.5, "shared count over the smaller total at which two instances merge", low=0.0
     )
-    instance_merge_min: int = setting(10, "and the least shared count", low=1)
+    instance_merge_min: int = setting(5, "and the least shared count (paper: 10)", low=1)
     regulate_classes: bool = setting(True, "instances of different classes may merge (paper: not)")
     checkpoint_every: int = setting(50, "frames between checkpoints; 0 = none", low=0)
     mesh_min_weight: float = setting(1e-4, "voxels with less are unobserved", low=0.0)
@@ -168,6 +171,9 @@ class EntitySettings(_Checked):
     )
     piece_min_ratio: float = setting(
         0.2, "other pieces with a smaller share of the largest are dropped", low=0.0, high=1.0
+    )
+    box_normal_weight: float = setting(
+        0.5, "weight of the faces' normals beside the area in a box's yaw (paper: 0)", low=0.0
     )
     plane_threshold_m: float = setting(0.03, "RANSAC inlier distance, at most", unit="m", low=0.0)
     plane_iterations: int = setting(200, "RANSAC draws a plane", low=1, static=True)
@@ -274,7 +280,7 @@ class ExportSettings(_Checked):
 
     timestep_s: float = setting(0.002, "of MuJoCo", unit="s", low=1e-4, high=0.02)
     friction: float = setting(0.8, "sliding friction", low=0.0)
-    scan_max_faces: int = setting(2000, "faces of an exported scan mesh", low=16)
+    scan_max_faces: int = setting(4000, "faces of an exported scan mesh", low=16)
     max_hull_vertices: int = setting(64, "of a collision part", low=32, high=256)
     layout_thickness_m: float = setting(
         0.1, "of the boxes behind floor, walls and ceiling", unit="m", low=0.01, high=1.0
@@ -283,7 +289,7 @@ class ExportSettings(_Checked):
         0.5, "the floor reaches so far past what was seen of it", unit="m", low=0.0
     )
     max_shift_m: float = setting(
-        0.1, "farthest that a free body is moved to touch its support", unit="m", low=0.0
+        0.15, "farthest that a free body is moved to touch its support", unit="m", low=0.0
     )
 
 
@@ -335,8 +341,9 @@ _PAPER = Settings(
     preset="paper",
     mapping=MappingSettings(
         voxel_size_m=0.01, label_band_voxels=4.0, carve=False, share_labels=False, instance_condition="class",
-        regulate_classes=False, mesh_max_jump_voxels=20.0,
+        instance_merge_min=10, instance_min_frames=1, regulate_classes=False, mesh_max_jump_voxels=20.0,
     ),
+    entities=EntitySettings(box_trim=0.0, box_normal_weight=0.0, piece_min_ratio=0.0),
     contact_graph=ContactGraphSettings(
         rim_voxels=1.0,
         min_score=0.2,

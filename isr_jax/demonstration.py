@@ -49,8 +49,13 @@ def demo(
     result = pipeline.run(
         sequence_dir, out_dir, segmenter=segmenter, settings=settings, reporter=reporter
     )
-    symmetry = {model.id: model.symmetry for model in library.models}
-    report = evaluation.evaluate(out_dir, sequence_dir / "truth", symmetry=symmetry)
+    report = evaluation.evaluate(
+        out_dir,
+        sequence_dir / "truth",
+        symmetry={model.id: model.symmetry for model in library.models},
+        model_size={model.id: model.size for model in library.models},
+        unrefined={entity.name: entity.box for entity in result.scene.entities},
+    )
     report.write(out_dir / "evaluation.json")
     return DemoResult(result, report)
 

@@ -145,7 +145,13 @@ def furnish(
         settings.matching,
         {"entities": found, "graph": graph, "library": models},
         Shortlist,
-        lambda: matching.match([found], [graph], library, settings.matching)[0],
+        lambda: matching.match(
+            [found],
+            [graph],
+            library,
+            settings.matching,
+            up_cosine=settings.contact_graph.up_cosine,
+        )[0],
     )
     aligned = runner.run(
         "alignment",
@@ -284,6 +290,8 @@ def run(
         masks = segmentation.open_segmenter(
             segmenter, Path(sequence_dir), settings=settings.segmentation
         )
+        for note in sequence.notes:
+            reporter.note(note)
         runner = StageRunner(StageStore(out_dir / "stages"), reporter, start_from)
         scene = reconstruct(
             sequence, library=models, segmenter=masks, settings=settings, runner=runner

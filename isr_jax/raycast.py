@@ -57,8 +57,10 @@ class RayScene:
         ).astype(np.int32)
         """All faces, mesh after mesh; `RayHits.triangle` counts in these."""
         per_mesh = [len(mesh.faces) for mesh in meshes]
-        self.face_instance: np.ndarray = np.repeat(np.asarray(instances, np.int32), per_mesh)
-        self.face_normal: np.ndarray = _unit_normals(self.vertices[self.faces])
+        instance = np.repeat(np.asarray(instances, np.int32), per_mesh)
+        self._instance_or_none = np.append(instance, np.int32(0))
+        normal = _unit_normals(self.vertices[self.faces])
+        self._normal_or_none = np.append(normal, np.zeros((1, 3), np.float32), axis=0)
         # Embree keeps pointers into the arrays, so they live as long as the scene does.
         self._scene = EmbreeScene()
         self._mesh = TriangleMesh(self._scene, self.vertices, self.faces)
@@ -71,14 +73,13 @@ class RayScene:
             query="INTERSECT",
             output=1,
         )
-        triangle = out["primID"]
-        hit = triangle >= 0
-        row = np.where(hit, triangle, 0)
+        # A miss is -1, and so reads the row that stands behind the last face.
+        triangle = np.where(out["primID"] >= 0, out["primID"], MISS)
         return RayHits(
-            distance=np.where(hit, out["tfar"], np.float32(0)),
-            triangle=np.where(hit, triangle, MISS),
-            instance=np.where(hit, self.face_instance[row], 0),
-            normal=np.where(hit[:, None], self.face_normal[row], np.float32(0)),
+            distance=np.where(triangle >= 0, out["tfar"], np.float32(0)),
+            triangle=triangle,
+            instance=self._instance_or_none[triangle],
+            normal=self._normal_or_none[triangle],
         )
 
     def view(self, camera: Camera, T_world_camera: Float[Array, "4 4"]) -> View:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 import equinox as eqx
@@ -84,9 +85,13 @@ class Sequence(Protocol):
     """A posed RGB-D sequence: a length, and a frame for an index."""
 
     name: str
+    source: Path
+    """The folder it came from."""
     camera: Camera
     T_world_dataset: np.ndarray
     """[4, 4]: from the dataset's own frame to the world (z up, floor at 0)."""
+    notes: tuple[str, ...]
+    """What was assumed or changed while opening it, for the user."""
 
     def __len__(self) -> int: ...
 

@@ -18,6 +18,7 @@ from isr_jax.alignment import (
     align,
     align_shortlists,
     alignment_error,
+    alignment_errors,
     default_start,
 )
 from isr_jax.config import AlignmentSettings
@@ -317,6 +318,21 @@ def test_alignment_error_parity_with_brute_force():
     got = alignment_error(T[None], np.array([1.3], np.float32), sets, surface, zero, zero)
     expected = reference.alignment_error(T, 1.3, points[0], vertices, faces)
     np.testing.assert_allclose(got, [expected], rtol=1e-5)
+
+
+def test_ragged_alignment_errors_are_those_of_the_kernel():
+    rng = np.random.default_rng(4)
+    meshes = [box_mesh((1, 0.7, 0.5), spacing_m=s) for s in (0.5, 0.05)]
+    assert len(meshes[0].faces) < 256 < len(meshes[1].faces)
+    points = [rng.normal(0, 0.6, (n, 3)).astype(np.float32) for n in (7, 700)]
+    T = np.asarray(make_T(rot_z(jnp.asarray([0.4, -0.9])), jnp.asarray([[1.0, 2, 0], [0, 0, 1]])))
+    scale = np.array([0.8, 1.2], np.float32)
+    ragged = alignment_errors(T, scale, points, [m.vertices[m.faces] for m in meshes])
+    zero = np.zeros(1, np.int32)
+    for i in range(2):
+        sets = PointSets(points[i][None], np.ones((1, len(points[i])), bool))
+        one = alignment_error(T[i : i + 1], scale[i : i + 1], sets, _surface(meshes[i]), zero, zero)
+        np.testing.assert_allclose(ragged[i], one[0], rtol=1e-5)
 
 
 def test_alignment_error_derivative_matches_finite_differences():

@@ -10,8 +10,9 @@ import pytest
 
 from isr_jax.config import InputSettings
 from isr_jax.datasets import CONVENTIONS, detect_format, open_sequence, prefetch
+from isr_jax.datasets.images import ColorCamera, register_color
 from isr_jax.errors import FrameError, SequenceError
-from isr_jax.types import Frame, Sequence
+from isr_jax.types import Camera, Frame, Sequence
 
 from . import datasets_room as room
 
@@ -65,7 +66,7 @@ def test_layouts_give_the_same_frames_in_the_world(folders, shots, layout):
         np.testing.assert_allclose(frame.depth_m, shot.depth_m, atol=DEPTH_ROUNDING_M)
         if layout != "tum":
             heights_match(frame, shot.T_world_camera)
-        if layout != "plain":  # JPEG of noise is far from it
+        if layout == "tum":  # plain: JPEG of noise is far from it; 7-Scenes: colour is moved
             np.testing.assert_array_equal(frame.color, shot.color)
 
 
@@ -331,3 +332,26 @@ def test_prefetch_keeps_order_and_can_be_left(folders):
     for i, _ in prefetch(sequence, range(12)):
         if i == 1:
             break
+
+
+def test_colour_beside_the_depth_camera_is_moved_onto_it():
+    """A colour image that encodes its own columns tells where each depth pixel looked."""
+    depth_camera = Camera(500.0, 500.0, 80.0, 60.0, 160, 120)
+    color_camera = ColorCamera(f=450.0, cx=82.0, cy=58.0, x_m=-0.03)
+    columns = np.tile(np.arange(160, dtype=np.uint8), (120, 1))
+    color = np.stack([columns, columns, columns], -1)
+    depth_m = np.full((120, 160), 1.5, np.float32)
+    depth_m[40:50, 60:70] = 0.0  # takes its neighbours' depth
+    moved = register_color(color, depth_m, depth_camera, color_camera)
+    u = np.arange(20, 140)
+    expected = 82.0 + 450.0 * ((u - 80.0) / 500.0 - 0.03 / 1.5)
+    rounding = 1.0
+    np.testing.assert_allclose(moved[45, 20:140, 0].astype(float), expected, atol=rounding)
+
+
+def test_colour_without_any_depth_is_left_as_it_is():
+    color = np.arange(12 * 16 * 3, dtype=np.uint8).reshape(12, 16, 3)
+    camera = Camera(20.0, 20.0, 8.0, 6.0, 16, 12)
+    nothing = np.zeros((12, 16), np.float32)
+    moved = register_color(color, nothing, camera, ColorCamera(20.0, 8.0, 6.0, -0.03))
+    np.testing.assert_array_equal(moved, color)

@@ -12,9 +12,9 @@ from isr_jax.datasets.world_frame import (
     estimate_gravity,
     find_world_frame,
     level_surfaces,
-    smallest_rotation,
 )
 from isr_jax.errors import SequenceError
+from isr_jax.geometry import smallest_rotation
 
 angles = st.floats(-3.2, 3.2)
 

@@ -12,7 +12,12 @@ from hypothesis import strategies as st
 
 from isr_jax.classes import class_named
 from isr_jax.config import EntitySettings
-from isr_jax.entities import extract_entities, gravity_box, min_area_angle
+from isr_jax.entities import (
+    extract_entities,
+    facing_direction,
+    gravity_box,
+    min_area_angle,
+)
 from isr_jax.entities.planes import find_planes, plane_set
 from isr_jax.entities.ransac import best_plane, peel_planes
 from isr_jax.entities.rectangles import robust_rectangle
@@ -114,6 +119,28 @@ def test_strays_do_not_stretch_the_box():
     assert np.allclose(box.size, clean.size, atol=2 * VOXEL_M)
     assert abs(float(box.yaw) - 0.4) < 0.05
     assert np.ptp(strays, axis=0).min() > 1.2 / 2  # the strays would have stretched it
+
+
+@pytest.mark.parametrize("yaw", [-0.6, 0.0, 0.27, 0.5])
+def test_two_faces_of_a_cabinet_give_its_yaw(yaw):
+    """From above two faces are a right triangle: by area alone the hypotenuse is as good."""
+    size = (0.6, 0.8, 0.9)
+    mesh = noisy(box_mesh(size, (1, 2, 0.45), yaw, 0.03), 4 * MM)
+    local = mesh.normals @ rotation_z(yaw)
+    seen = submesh(mesh, (local[:, 0] > 0.7) | (local[:, 1] > 0.7))
+    box = gravity_box(
+        seen.vertices, TRIM, 2 * VOXEL_M, VOXEL_M,
+        facing=facing_direction(seen.normals), weight=SETTINGS.box_normal_weight,
+    )  # fmt: skip
+    assert abs(float(box.yaw) - yaw) < 0.03
+    assert np.allclose(box.size, size, atol=0.03)
+
+
+def test_a_round_thing_faces_nowhere():
+    angles = np.linspace(0, 2 * np.pi, 360, endpoint=False)
+    around = np.stack([np.cos(angles), np.sin(angles), 0 * angles], 1)
+    assert abs(facing_direction(around)) < 1e-6
+    assert abs(facing_direction(np.array([[0.0, 0.0, 1.0]]))) < 1e-6
 
 
 def test_points_on_a_line_have_a_rectangle():

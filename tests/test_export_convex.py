@@ -171,3 +171,14 @@ def test_simplified_stays_near_and_below_the_bound():
     assert surface.max() < 0.15
     assert small.colors is not None and np.all(small.colors == 128)
     assert simplified(mesh, 10**6) is mesh
+
+
+def test_simplified_board_keeps_both_sides():
+    board = box_mesh((1.0, 0.8, 0.01), spacing_m=0.01)
+    small = simplified(board, 400)
+    corners = small.vertices[small.faces]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    for side in (1, -1):
+        area = normal[:, 2][side * normal[:, 2] > 0].sum() * side
+        assert 0.75 * 0.8 < area < 0.8
+    assert len(small.faces) <= 400

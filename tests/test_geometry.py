@@ -24,7 +24,7 @@ _depth = jax.jit(geometry.box_overlap_depth)
 
 
 def random_box(rng: np.random.Generator, spread: float = 0.6) -> Box:
-    center = (*rng.uniform(-spread, spread, 3), 3.0, -2.0, 1.0)
+    center = np.array([3.0, -2.0, 1.0]) + rng.uniform(-spread, spread, 3)
     size = rng.uniform(0.1, 1.5, 3)
     return geometry.canonical_box(center, rng.uniform(-np.pi, np.pi), size)
 
@@ -193,3 +193,15 @@ def test_points_to_mesh_distance_of_a_box_is_analytic():
     valid = np.arange(len(faces)) < len(mesh.faces)
     measured = geometry.points_to_mesh_distance(points, mesh.vertices, faces, valid)
     np.testing.assert_allclose(measured, expected, atol=METRES)
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_stacked_boxes_come_apart_again(count):
+    rng = np.random.default_rng(count)
+    boxes = [random_box(rng) for _ in range(count)]
+    stacked = geometry.stack_boxes(boxes)
+    assert stacked.center.shape == stacked.size.shape == (count, 3)
+    for i, box in enumerate(boxes):
+        for field in ("center", "yaw", "size"):
+            apart = getattr(geometry.box_at(stacked, i), field)
+            np.testing.assert_array_equal(apart, getattr(box, field))

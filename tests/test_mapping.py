@@ -12,7 +12,7 @@ import pytest
 from isr_jax.classes import class_named
 from isr_jax.config import MappingSettings
 from isr_jax.errors import MapError
-from isr_jax.mapping import PanopticMapper
+from isr_jax.mapping import PanopticMapper, label_slots
 from isr_jax.mapping import fuse as kernels
 from isr_jax.mapping.pool import (
     BLOCK_SIDE,
@@ -221,7 +221,7 @@ def test_saved_and_continued_equals_uninterrupted(frames, mapped, tmp_path):
     assert np.array_equal(a.mesh.colors, b.mesh.colors)
     assert np.array_equal(a.instance, b.instance)
     assert resumed.labels.counts == mapped.labels.counts
-    assert resumed.labels.apart == mapped.labels.apart
+    assert resumed.labels.instances.apart == mapped.labels.instances.apart
     assert all(np.array_equal(x, y) for x, y in zip(resumed.pool.labels, mapped.pool.labels))
 
 
@@ -256,6 +256,17 @@ def test_what_is_seen_through_is_freed():
     assert left[True] < 0.02 * left[False]
 
 
+@pytest.mark.gpu
+def test_fusion_on_an_accelerator_equals_the_cpu(frames, mapped, gpu):
+    with jax.default_device(gpu):
+        there = fused(frames)
+    assert there.blocks.used == mapped.blocks.used
+    weight = np.asarray(there.pool.weight)
+    same = np.abs(np.asarray(there.pool.sdf_m) - np.asarray(mapped.pool.sdf_m)) < 1e-4
+    # a projection rounds onto the other pixel now and then
+    assert same[weight > 0].mean() > 0.999
+
+
 def test_an_empty_map_has_an_empty_surface():
     surface = PanopticMapper(CAMERA, SETTINGS).surface()
     assert len(surface.mesh.vertices) == 0 and len(surface.instance_ids) == 0
@@ -279,7 +290,7 @@ def test_label_slots_follow_the_stated_policy():
     twin = [[(0, 0)] * 3 for _ in range(voxels)]
     for _ in range(rounds):
         label = rng.integers(1, kinds + 1)
-        slots = kernels._count_label(slots, jnp.asarray(label, jnp.uint32))
+        slots = label_slots.count_label(slots, jnp.asarray(label, jnp.uint32))
         twin = [count_slots(t, int(one), 4095) for t, one in zip(twin, label, strict=True)]
     counts = np.stack([np.asarray(s) >> LABEL_BITS for s in slots], 1)
     names = np.stack([np.asarray(leading_labels(s)) for s in slots], 1)
@@ -288,12 +299,37 @@ def test_label_slots_follow_the_stated_policy():
         assert set(zip(counts[row].tolist(), got)) == set(expected)
 
 
+def test_maps_of_several_sequences_fuse_in_one_call(frames):
+    """The per-frame kernel maps over a leading axis of pools, with block counts of their own."""
+    mapper = fused(frames[:1])
+    used = mapper.blocks.used
+    slots, coords = mapper._padded(np.arange(used, dtype=np.int32))
+    counts = np.array([used, 100], np.int32)
+    args = []
+    for frame, segments in frames[1:3]:
+        T = np.linalg.inv(frame.T_world_camera.astype(float)).astype(np.float32)
+        args.append((kernels.pack_frame(frame.depth_m, segments.segment, frame.color), T))
+
+    def one(packed, T, count):
+        hits = jnp.zeros((len(slots), 512), jnp.uint32)
+        return kernels.fuse_blocks(
+            mapper.pool, hits, packed, T, CAMERA, mapper.scale, slots, coords, count
+        )[0].sdf_m
+
+    stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *args)
+    together = jax.jit(jax.vmap(one))(*stacked, counts)
+    for k, (packed, T) in enumerate(args):
+        alone = one(packed, T, jnp.asarray(counts[k]))
+        assert np.allclose(together[k], alone, atol=1e-6)
+    assert not np.allclose(together[0], together[1], atol=1e-3)
+
+
 def test_relabel_adds_up_slots_that_become_one():
     def slot(label, count):
         return jnp.full((64, 512), (count << LABEL_BITS) | label, jnp.uint32)
 
     table = np.array([0, 1, 1, 3], np.uint32)
-    out = kernels.relabel((slot(3, 9), slot(1, 6), slot(2, 5)), table)
+    out = label_slots.relabel((slot(3, 9), slot(1, 6), slot(2, 5)), table)
     assert int(out[0][0, 0]) == (11 << LABEL_BITS) | 1
     assert int(out[1][0, 0]) == (9 << LABEL_BITS) | 3
     assert int(out[2][0, 0]) & ~LABEL_MASK == 0

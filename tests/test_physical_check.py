@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import jax
 import jax.numpy as jnp
@@ -152,6 +153,13 @@ def test_small_overlaps_are_nudged_away_and_larger_ones_are_not():
     assert two.cad_id is None
 
 
+def test_nothing_is_nudged_into_a_wall():
+    scene = [floor_entity(), table_at(2, 0), table_at(3, 0.98), _wall(1.48)]
+    tries = [Try(1, TABLE, (0, 0, 0.35), 0.01), Try(2, TABLE, (0.98, 0, 0.35), 0.02)]
+    _, one, two, _ = run(scene, [ROOM, 0, 0, ROOM], tries, NUDGING)
+    assert one.cad_id == "table/plain" and two.cad_id is None
+
+
 def test_a_kept_scan_counts():
     """A cardboard box has no model; a candidate through it loses to one beside it."""
     box = box_entity(3, "box", (0.45, 0, 0.2), (0.3, 0.3, 0.4))
@@ -255,7 +263,7 @@ def test_the_same_seed_gives_the_same_scene_and_order_of_scale_is_kept():
     chosen = [p.cad_id for p in first[1:]]
     # At 0.8 m two plain ones (1 m) overlap, a plain and a slim one (0.75 m) do not.
     assert None not in chosen
-    assert not any(a == b == "table/plain" for a, b in zip(chosen, chosen[1:], strict=False))
+    assert not any(a == b == "table/plain" for a, b in itertools.pairwise(chosen))
 
 
 # Kernels

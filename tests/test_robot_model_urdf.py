@@ -221,7 +221,10 @@ def test_names_that_do_not_fit_are_refused(tmp_path):
 
 def test_mass_and_inertia_against_sampling():
     """A tetrahedron and a box as one body, against 4e5 random points in their bounds."""
-    parts = [(tetrahedron(1.0), 600.0), (box_between(np.array([0, 0, -0.5]), np.array([0.4, 0.3, 0])), 300.0)]
+    parts = [
+        (tetrahedron(1.0), 600.0),
+        (box_between(np.array([0, 0, -0.5]), np.array([0.4, 0.3, 0])), 300.0),
+    ]
     mass, com, inertia = combined_properties([solid_properties(m, d) for m, d in parts])
     rng = np.random.default_rng(0)
     points = rng.uniform([0, 0, -0.5], [1, 1, 1], (400_000, 3))

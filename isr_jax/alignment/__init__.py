@@ -1,6 +1,6 @@
 """Alignment (Sec. V-C): shortlist -> scale, yaw, translation and error of every candidate."""
 
-from .error import PointSets, Surfaces, alignment_error
+from .error import PointSets, Surfaces, alignment_error, alignment_errors
 from .problem import AlignmentProblem, AlignmentSolution, AlignmentWeights, default_start
 from .shortlists import align_shortlists
 from .solve import align
@@ -18,5 +18,6 @@ __all__ = [
     "align",
     "align_shortlists",
     "alignment_error",
+    "alignment_errors",
     "default_start",
 ]

@@ -11,7 +11,7 @@ from ..cad_types import CadLibrary
 from ..config import AlignmentSettings
 from ..geometry import CUBE_ROTATIONS
 from ..types import Alignments, ContactGraph, Entities, Shortlist
-from .error import PointSets, Surfaces, alignment_error
+from .error import alignment_errors
 from .problem import (
     AlignmentProblem,
     AlignmentSolution,
@@ -22,9 +22,6 @@ from .solve import align
 
 _MIN_PAIRS = 16
 _MIN_PLANES = 4
-_MIN_FACES = 64
-_MIN_POINTS = 64
-_PAIRS_A_CALL = 16
 
 
 def align_shortlists(
@@ -131,64 +128,35 @@ def _pad_pairs(problem: AlignmentProblem) -> AlignmentProblem:
 
 
 def _errors(scenes, shortlists, library, solution, max_points) -> np.ndarray:
-    """AE of all pairs. Pairs whose models have about as many faces share a call."""
-    owner = np.concatenate([np.full(len(s.entity), i) for i, s in enumerate(shortlists)])
-    position = np.concatenate([s.entity for s in shortlists])
-    keys, entity = np.unique(np.stack([owner, position]), axis=1, return_inverse=True)
-    points = _point_sets([scenes[s][e].mesh.vertices for s, e in keys.T.tolist()], max_points)
-    model = np.concatenate([s.model for s in shortlists])
-    faces = np.array([bucket(len(m.mesh.faces), _MIN_FACES) for m in library.models])[model]
-    errors = np.zeros(len(model), np.float32)
-    for size in np.unique(faces):
-        rows = np.flatnonzero(faces == size)
-        used, local = np.unique(model[rows], return_inverse=True)
-        surfaces = _surfaces([library[m].mesh for m in used.tolist()], int(size))
-        # Calls of one width: a power of two over all pairs would measure up to half in vain.
-        for start in range(0, len(rows), _PAIRS_A_CALL):
-            part = np.resize(np.arange(start, min(start + _PAIRS_A_CALL, len(rows))), _PAIRS_A_CALL)
-            T, scale = solution.T_world_cad[rows[part]], solution.scale[rows[part]]
-            which = entity[rows[part]].astype(np.int32), local[part].astype(np.int32)
-            errors[rows[part]] = np.asarray(alignment_error(T, scale, points, surfaces, *which))
-    return errors
+    """AE of all pairs."""
+    entities = [
+        scene[i]
+        for scene, shortlist in zip(scenes, shortlists, strict=True)
+        for i in shortlist.entity.tolist()
+    ]
+    models = [library[m].mesh for s in shortlists for m in s.model.tolist()]
+    return alignment_errors(
+        solution.T_world_cad,
+        solution.scale,
+        [spread(entity.mesh.vertices, max_points) for entity in entities],
+        [mesh.vertices[mesh.faces] for mesh in models],
+    )
 
 
-def _point_sets(vertices: list[np.ndarray], max_points: int) -> PointSets:
-    """At most ``max_points`` vertices an entity, evenly spread over their order."""
-    width = min(bucket(max(len(v) for v in vertices), _MIN_POINTS), max_points)
-    count = bucket(len(vertices), 1)
-    points, valid = np.zeros((count, width, 3), np.float32), np.zeros((count, width), bool)
-    for i, v in enumerate(vertices):
-        n = min(len(v), width)
-        points[i, :n] = v[np.linspace(0, len(v) - 1, n).astype(int)] if n else 0.0
-        valid[i, :n] = True
-    return PointSets(points, valid)
-
-
-def _surfaces(meshes, faces_width: int) -> Surfaces:
-    width = bucket(max(len(m.vertices) for m in meshes), _MIN_FACES)
-    count = bucket(len(meshes), 1)
-    vertices = np.zeros((count, width, 3), np.float32)
-    faces = np.zeros((count, faces_width, 3), np.int32)
-    valid = np.zeros((count, faces_width), bool)
-    for i, mesh in enumerate(meshes):
-        vertices[i, : len(mesh.vertices)] = mesh.vertices
-        faces[i, : len(mesh.faces)] = mesh.faces
-        valid[i, : len(mesh.faces)] = True
-    return Surfaces(vertices, faces, valid)
+def spread(vertices: np.ndarray, max_points: int) -> np.ndarray:
+    """At most ``max_points`` vertices, evenly spread over their order."""
+    if len(vertices) <= max_points:
+        return vertices
+    return vertices[np.linspace(0, len(vertices) - 1, max_points).astype(int)]
 
 
 def _split(solution: AlignmentSolution, errors: np.ndarray, counts: list[int]) -> list[Alignments]:
+    names = ("scale", "yaw", "translation", "T_world_cad", "cost", "status")
+    columns = {name: np.asarray(getattr(solution, name)) for name in names}
+    columns["alignment_error_m"] = errors
     ends = np.cumsum(counts)
     return [
-        Alignments(
-            scale=solution.scale[a:b],
-            yaw=solution.yaw[a:b],
-            translation=solution.translation[a:b],
-            T_world_cad=solution.T_world_cad[a:b],
-            cost=solution.cost[a:b],
-            status=solution.status[a:b],
-            alignment_error_m=errors[a:b],
-        )
+        Alignments(**{name: column[a:b] for name, column in columns.items()})
         for a, b in zip(ends - counts, ends, strict=True)
     ]
 

@@ -1,4 +1,4 @@
-"""CAD models of furniture and household things: the kit that makes them, the folder they live in."""
+"""CAD models of furniture and household things: the kit that makes them, and their folder."""
 
 from .library import build_library, default_library, library_of, load_library
 from .model_files import load_model, model_files, save_model

@@ -15,7 +15,7 @@ from ..classes import class_named
 from ..errors import ClassError, LibraryError, OutputError, SceneError
 from ..robot_model import RobotModel, link_transforms, read_urdf, urdf_files
 from ..robot_model.obj import numbers
-from ..types import Mesh, PlaneSet
+from ..types import Array, Mesh, PlaneSet
 
 SCHEMA_VERSION = "1.0"
 MOUNTS = ("floor", "surface", "wall", "opening")
@@ -97,7 +97,7 @@ def _unusable(path: Path | str, problem: str) -> LibraryError:
     return LibraryError(problem if str(path) in problem else f"{path}: {problem}", hint)
 
 
-def _table(values: np.ndarray) -> list:
+def _table(values: Array) -> list:
     """Nested lists of floats with the fewest digits of the array's own precision."""
     texts = numbers(np.asarray(values))
     return np.asarray(texts, np.float64).tolist()

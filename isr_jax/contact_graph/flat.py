@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..classes import class_named
+from ..geometry import stack_boxes
 from ..types import Box, Entities, Entity, PlaneSet
 
 
@@ -59,13 +60,6 @@ def flatten(scenes: Sequence[Entities]) -> FlatEntities:
         mount=np.array([class_named(entity.class_name).mount for entity in items], "U8"),
         rank=rank,
     )
-
-
-def stack_boxes(boxes: Sequence[Box]) -> Box:
-    """Single boxes as one batched box of NumPy arrays."""
-    center = np.array([box.center for box in boxes], np.float32).reshape(-1, 3)
-    yaw = np.array([box.yaw for box in boxes], np.float32)
-    return Box(center, yaw, np.array([box.size for box in boxes], np.float32).reshape(-1, 3))
 
 
 def _stack_planes(sets: Sequence[PlaneSet]) -> PlaneSet:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import cv2
@@ -9,11 +10,24 @@ import numpy as np
 from jaxtyping import Float, UInt8
 
 from ..errors import FrameError
+from ..types import Camera
 
 _TAIL_BYTES = 64
 """An end marker stands this near the end; some cameras append a few bytes of padding."""
 _NO_RETURN = 65535
 """Kinect recordings mark missing depth with the largest value as well as with 0."""
+
+
+@dataclasses.dataclass(frozen=True)
+class ColorCamera:
+    """A colour camera that stands beside the depth camera, axes parallel."""
+
+    f: float
+    """Focal length, pixels."""
+    cx: float
+    cy: float
+    x_m: float
+    """Where the depth camera's origin lies along the colour camera's x axis, metres."""
 
 
 def read_color(path: Path) -> UInt8[np.ndarray, "height width 3"]:
@@ -34,6 +48,34 @@ def read_depth(path: Path, units_per_metre: float) -> Float[np.ndarray, "height 
     depth_m = image.astype(np.float32) / np.float32(units_per_metre)
     depth_m[image == _NO_RETURN] = 0.0
     return depth_m
+
+
+def register_color(
+    color: UInt8[np.ndarray, "height width 3"],
+    depth_m: Float[np.ndarray, "height width"],
+    depth_camera: Camera,
+    color_camera: ColorCamera,
+) -> UInt8[np.ndarray, "height width 3"]:
+    """Colour as the depth camera sees it; a pixel without return takes its neighbour's depth.
+
+    u' = cx' + f' (x + x_m) / z,  v' = cy' + f' y / z  for the point (x, y, z) of pixel (u, v).
+    """
+    missing = (depth_m <= 0).astype(np.uint8)
+    if missing.all():
+        return color
+    _, nearest = cv2.distanceTransformWithLabels(
+        missing, cv2.DIST_L2, 3, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    depth_of_label = np.zeros(nearest.max() + 1, np.float32)
+    depth_of_label[nearest[missing == 0]] = depth_m[missing == 0]
+    z = depth_of_label[nearest]
+    v, u = np.indices(depth_m.shape, np.float32)
+    x_over_z = (u - depth_camera.cx) / depth_camera.fx + color_camera.x_m / z
+    y_over_z = (v - depth_camera.cy) / depth_camera.fy
+    map_u = (color_camera.cx + color_camera.f * x_over_z).astype(np.float32)
+    map_v = (color_camera.cy + color_camera.f * y_over_z).astype(np.float32)
+    moved = cv2.remap(color, map_u, map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(moved, np.uint8)
 
 
 def resize_color(

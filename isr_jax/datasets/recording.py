@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import FrameError, SequenceError
-from .images import read_depth
+from .images import ColorCamera, read_depth
 
 _HASHED_WHOLE = 8
 """Frames whose images enter the content hash whole; of the others, name and size do."""
@@ -62,6 +62,8 @@ class Recording:
     """Small files that say how to read the rest."""
     notes: tuple[str, ...] = ()
     """What had to be assumed, for the user."""
+    color_camera: ColorCamera | None = None
+    """None where colour is already on the depth camera's pixels."""
 
     def depth_m(self, frame: RecordedFrame) -> Float[np.ndarray, "height width"]:
         """Depth of a frame, metres, not clipped."""
@@ -70,7 +72,7 @@ class Recording:
     def content_hash(self) -> str:
         """Hex digest over poses, small files, names and sizes of images, and a few images whole."""
         digest = hashlib.blake2b(digest_size=16)
-        plain = [self.format, self.convention, repr(self.units_per_metre)]
+        plain = [self.format, self.convention, repr(self.units_per_metre), repr(self.color_camera)]
         digest.update(json.dumps(plain).encode())
         for path in self.settings_files:
             digest.update(path.read_bytes())

@@ -21,7 +21,7 @@ from .checks import (
     recorded_camera,
     sampled_cloud,
 )
-from .images import read_color, resize_color
+from .images import read_color, register_color, resize_color
 from .layouts import read_recording
 from .recording import RecordedFrame, Recording, present
 from .world_frame import WorldFrame, find_world_frame
@@ -34,6 +34,8 @@ class RecordedSequence:
     """A `types.Sequence` over a recording. Made by `open_sequence`."""
 
     name: str
+    source: Path
+    """The folder."""
     camera: Camera
     T_world_dataset: Float[np.ndarray, "4 4"]
     world: WorldFrame
@@ -53,10 +55,13 @@ class RecordedSequence:
         recorded = self.recording.frames[index]
         pose = pose_of(recorded)
         depth_m = self._depth_m(recorded)
+        color = self._color(recorded, depth_m)
+        low, high = self.settings.depth_min_m, self.settings.depth_max_m
+        depth_m[(depth_m < low) | (depth_m > high)] = 0.0
         return Frame(
             index=index,
             name=recorded.name,
-            color=self._color(recorded),
+            color=color,
             depth_m=depth_m,
             T_world_camera=(self.T_world_dataset @ pose).astype(np.float32),
             camera=self.camera,
@@ -81,17 +86,17 @@ class RecordedSequence:
                 f"{expected[1]}x{expected[0]}",
                 "drop the frame",
             )
-        low, high = self.settings.depth_min_m, self.settings.depth_max_m
-        depth_m[(depth_m < low) | (depth_m > high)] = 0.0
         return depth_m
 
-    def _color(self, recorded: RecordedFrame) -> np.ndarray:
+    def _color(self, recorded: RecordedFrame, depth_m: np.ndarray) -> np.ndarray:
         color = read_color(present(recorded, recorded.color, "colour"))
         width, height = self.camera.width, self.camera.height
-        if color.shape[:2] == (height, width):
+        if color.shape[:2] != (height, width):
+            _check_aspect(recorded, color, width, height)
+            color = resize_color(color, width, height)
+        if self.recording.color_camera is None:
             return color
-        _check_aspect(recorded, color, width, height)
-        return resize_color(color, width, height)
+        return register_color(color, depth_m, self.camera, self.recording.color_camera)
 
 
 def open_sequence(
@@ -116,6 +121,7 @@ def open_sequence(
     world = find_world_frame(sampled_cloud(samples, camera, settings), recording.gravity)
     return RecordedSequence(
         name=Path(path).resolve().name,
+        source=Path(path),
         camera=camera,
         T_world_dataset=world.T_world_dataset,
         world=world,

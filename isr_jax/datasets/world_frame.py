@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from ..errors import SequenceError
+from ..geometry import smallest_rotation
 from ..types import Camera
 
 _COLUMNS = 80
@@ -112,20 +113,6 @@ def find_world_frame(cloud: Cloud, gravity: Float[np.ndarray, "3"] | None) -> Wo
     T[:3, :3], T[2, 3] = R, -heights[0]
     levels = tuple((float(h - heights[0]), float(a)) for h, a in zip(heights, areas, strict=True))
     return WorldFrame(T, down, float(areas[0]), levels)
-
-
-def smallest_rotation(
-    source: Float[np.ndarray, "3"], target: Float[np.ndarray, "3"]
-) -> Float[np.ndarray, "3 3"]:
-    """The rotation by the least angle that brings one unit vector to another (Rodrigues)."""
-    axis, cosine = np.cross(source, target), float(source @ target)
-    if cosine < -1 + 1e-9:  # any half turn about a perpendicular axis is smallest
-        normal = np.cross(source, np.eye(3)[np.argmin(np.abs(source))])
-        normal /= np.linalg.norm(normal)
-        return 2 * np.outer(normal, normal) - np.eye(3)
-    x, y, z = axis
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + skew + skew @ skew / (1 + cosine)
 
 
 def level_surfaces(

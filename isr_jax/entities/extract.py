@@ -10,7 +10,7 @@ from ..config import EntitySettings
 from ..types import Entities, Entity, Mesh, PanopticSurface
 from .layout import fallback_floor, level_layout, walls
 from .planes import find_planes, plane_set
-from .rectangles import gravity_box
+from .rectangles import facing_direction, gravity_box
 from .submesh import main_pieces, submesh
 
 
@@ -46,7 +46,15 @@ def _thing(
     if len(mesh.vertices) < settings.min_vertices:
         return None
     voxel_m = surface.voxel_size_m
-    box = gravity_box(mesh.vertices, settings.box_trim, 2 * voxel_m, voxel_m)
+    assert mesh.normals is not None
+    box = gravity_box(
+        mesh.vertices,
+        settings.box_trim,
+        2 * voxel_m,
+        voxel_m,
+        facing=facing_direction(mesh.normals),
+        weight=settings.box_normal_weight,
+    )
     found = find_planes(
         mesh,
         threshold_m=min(settings.plane_threshold_m, float(np.min(box.size)) / 4),

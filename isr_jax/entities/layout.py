@@ -64,7 +64,9 @@ def _slab(planes: PlaneSet) -> Box:
     length, width = float(np.linalg.norm(along)), float(np.linalg.norm(across))
     upright = abs(normal[2]) < 0.5
     size = (length, _THICKNESS_M, width) if upright else (length, width, _THICKNESS_M)
-    return canonical_box(corners.mean(0) - normal * _THICKNESS_M / 2, angle, np.array(size))
+    return canonical_box(
+        np.asarray(corners.mean(0) - normal * _THICKNESS_M / 2), angle, np.array(size)
+    )
 
 
 def fallback_floor(surface: PanopticSurface, id: int, settings: EntitySettings) -> Entity:

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Int
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from ..types import Mesh
 
@@ -29,7 +29,7 @@ def piece_of_vertices(mesh: Mesh, link_m: float) -> Int[np.ndarray, " vertices"]
     """Piece of each vertex: vertices whose cells of side ``link_m`` touch are of one piece."""
     cell = np.floor(mesh.vertices / link_m).astype(np.int64)
     cells, cell_of = np.unique(cell, axis=0, return_inverse=True)
-    pairs = cKDTree(cells).query_pairs(1.8, output_type="ndarray")  # corner neighbours: sqrt(3)
+    pairs = KDTree(cells).query_pairs(1.8, output_type="ndarray")  # corner neighbours: sqrt(3)
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(cells),) * 2)
     _, piece = connected_components(links, directed=False)
     return piece[cell_of.ravel()]

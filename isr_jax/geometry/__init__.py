@@ -22,11 +22,12 @@ from .convex import (
 )
 from .planes import plane_height, plane_height_at, transform_planes
 from .rotations import CUBE_ROTATIONS, rotated_size
-from .transforms import invert_T, make_T, rot_z, transform_points, wrap_angle
+from .transforms import invert_T, make_T, rot_z, smallest_rotation, transform_points, wrap_angle
 from .triangles import (
     point_triangle_distance_sq,
     points_to_mesh_distance,
     points_to_mesh_distance_sq,
+    points_to_triangles_distance_sq,
 )
 
 __all__ = [
@@ -53,8 +54,10 @@ __all__ = [
     "points_in_box_frame",
     "points_to_mesh_distance",
     "points_to_mesh_distance_sq",
+    "points_to_triangles_distance_sq",
     "rot_z",
     "rotated_size",
+    "smallest_rotation",
     "stack_boxes",
     "transform_planes",
     "transform_points",

@@ -1,4 +1,4 @@
-"""Gravity-aligned boxes: corners, footprints, overlaps. Kernels are unbatched unless they say so."""
+"""Gravity-aligned boxes: corners, footprints, overlaps. Kernels are unbatched or say so."""
 
 from __future__ import annotations
 
@@ -32,9 +32,10 @@ def box_at(boxes: Box, index: int) -> Box:
 
 
 def stack_boxes(boxes: list[Box]) -> Box:
-    """Boxes as one batch, on the host."""
-    columns = zip(*((b.center, b.yaw, b.size) for b in boxes), strict=True)
-    return Box(*(np.stack([np.asarray(v, np.float32) for v in column]) for column in columns))
+    """Boxes as one batch, on the host; none give an empty one."""
+    center = np.array([box.center for box in boxes], np.float32).reshape(-1, 3)
+    yaw = np.array([box.yaw for box in boxes], np.float32)
+    return Box(center, yaw, np.array([box.size for box in boxes], np.float32).reshape(-1, 3))
 
 
 def box_corners(box: Box) -> Float[Array, "8 3"]:

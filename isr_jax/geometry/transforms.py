@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Float
 
 from ..types import Array
@@ -41,3 +42,17 @@ def transform_points(
 def wrap_angle(angle: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
     """The same angle in [-pi, pi)."""
     return jnp.mod(angle + jnp.pi, 2 * jnp.pi) - jnp.pi
+
+
+def smallest_rotation(
+    source: Float[np.ndarray, "3"], target: Float[np.ndarray, "3"]
+) -> Float[np.ndarray, "3 3"]:
+    """The rotation by the least angle that brings one unit vector to another (Rodrigues; host)."""
+    axis, cosine = np.cross(source, target), float(source @ target)
+    if cosine < -1 + 1e-9:  # any half turn about a perpendicular axis is smallest
+        normal = np.cross(source, np.eye(3)[np.argmin(np.abs(source))])
+        normal /= np.linalg.norm(normal)
+        return 2 * np.outer(normal, normal) - np.eye(3)
+    x, y, z = axis
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + skew + skew @ skew / (1 + cosine)

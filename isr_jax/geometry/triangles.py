@@ -128,11 +128,24 @@ def points_to_mesh_distance_sq(
     Unlike the distance it has a derivative on the surface. ``batch_size`` points at a time keep
     the [points, faces] block in cache, and out of memory in reverse mode.
     """
-    frames = triangle_frames(vertices[faces])
+    triangles = vertices[faces]
+    return points_to_triangles_distance_sq(points, triangles, face_valid, batch_size=batch_size)
+
+
+def points_to_triangles_distance_sq(
+    points: Float[Array, "points 3"],
+    triangles: Float[Array, "triangles 3 3"],
+    valid: Bool[Array, " triangles"] | None = None,
+    *,
+    batch_size: int = 128,
+) -> Float[Array, " points"]:
+    """Squared distance from each point to the nearest valid triangle, m^2 (see above)."""
+    frames = triangle_frames(triangles)
 
     @jax.checkpoint
     def nearest(point):
-        return jnp.min(jnp.where(face_valid, _framed_distance_sq(point, frames), jnp.inf))
+        square = _framed_distance_sq(point, frames)
+        return jnp.min(square if valid is None else jnp.where(valid, square, jnp.inf))
 
     return jax.lax.map(nearest, points, batch_size=batch_size)
 

@@ -22,6 +22,7 @@ FORMAT = 1
 def save(mapper, path: Path) -> None:
     """Write the whole state; the file appears whole or not at all."""
     used, fusion = mapper.blocks.used, mapper.labels
+    found = fusion.instances
     arrays = {
         "sdf_m": mapper.pool.sdf_m[:used],
         "weight": mapper.pool.weight[:used],
@@ -35,8 +36,8 @@ def save(mapper, path: Path) -> None:
             [(i, *k, n) for i, c in enumerate(fusion.counts) for k, n in c.items()], 4
         ),
         "pair_frames": _table([(*k, n) for k, n in fusion.pair_frames.items()], 3),
-        "apart": _table([(*k, n) for k, n in fusion.apart.items()], 3),
-        "instances": np.array([fusion.instance_class, fusion.instance_into]),
+        "apart": _table([(*k, n) for k, n in found.apart.items()], 3),
+        "instances": np.array([found.class_of, found.into, found.frames]),
     }
     about = {
         "format": FORMAT,
@@ -103,5 +104,6 @@ def _restore_labels(fusion, stored: dict[str, np.ndarray]) -> None:
     for label, class_id, instance, n in stored["counts"].tolist():
         fusion.counts[label][class_id, instance] = n
     fusion.pair_frames = {(a, b): n for a, b, n in stored["pair_frames"].tolist()}
-    fusion.apart = {(a, b): n for a, b, n in stored["apart"].tolist()}
-    fusion.instance_class, fusion.instance_into = stored["instances"].tolist()
+    fusion.instances.apart = {(a, b): n for a, b, n in stored["apart"].tolist()}
+    columns = stored["instances"].tolist()
+    fusion.instances.class_of, fusion.instances.into, fusion.instances.frames = columns

@@ -14,7 +14,7 @@ from ..config import MappingSettings
 from ..errors import MapError
 from ..geometry import invert_T
 from ..types import Camera, Frame, FrameSegments, PanopticSurface
-from . import checkpoint, fuse, surface
+from . import checkpoint, fuse, label_slots, surface
 from .blocks import BlockIndex
 from .labels import LabelFusion
 from .pool import BLOCK_SIDE, BLOCK_VOXELS, MAX_SEGMENTS, empty_pool, grown_pool
@@ -72,7 +72,7 @@ class PanopticMapper:
         )
         label_of = self._name(segments, len(rows))
         table = jnp.asarray(_padded_table(label_of))
-        slot_labels = fuse.count_labels(self.pool.labels, self._hits, table, slots, count)
+        slot_labels = label_slots.count_labels(self.pool.labels, self._hits, table, slots, count)
         self.pool = self._with_labels(slot_labels)
         self.labels.observe(label_of, segments.class_id, segments.instance)
         self.frames += 1
@@ -158,7 +158,7 @@ class PanopticMapper:
         size = _bucket(self.labels.label_count)
         table = np.zeros(size, np.uint32)
         table[: self.labels.label_count] = self.labels.canonical
-        self.pool = self._with_labels(fuse.relabel(self.pool.labels, table))
+        self.pool = self._with_labels(label_slots.relabel(self.pool.labels, table))
         self._rewritten = merged
 
     def map_labels(self) -> tuple[Int[np.ndarray, " labels"], Int[np.ndarray, " labels"]]:

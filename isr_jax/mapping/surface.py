@@ -63,8 +63,8 @@ def find_cells(
     """Cases of all cells of the blocks; ``neighbours`` holds rows, out of range where none is."""
 
     def block(rows):
-        sdf = sdf_m.at[rows].get(mode="fill", fill_value=0.0)
-        seen = weight.at[rows].get(mode="fill", fill_value=-1.0) >= min_weight
+        sdf = jnp.take(sdf_m, rows, axis=0, mode="fill", fill_value=0.0)
+        seen = jnp.take(weight, rows, axis=0, mode="fill", fill_value=-1.0) >= min_weight
         return _cell_cases(_with_halo(sdf), _with_halo(seen), max_jump_m)
 
     return lax.map(block, neighbours, batch_size=_CHUNK)

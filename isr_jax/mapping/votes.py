@@ -58,9 +58,9 @@ def assign_labels(
         segment, label = int(votes.segment[i]), int(votes.label[i])
         if votes.count[i] < min_votes:
             break
-        if segment > 0 and not label_of[segment]:
-            if taken.setdefault(label, int(owner[segment])) == owner[segment]:
-                label_of[segment] = label
+        free = segment > 0 and not label_of[segment]
+        if free and taken.setdefault(label, int(owner[segment])) == owner[segment]:
+            label_of[segment] = label
     return label_of
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ..classes import class_named
 from ..config import PhysicalCheckSettings
 from ..types import ContactGraph, Entities
+from .layout import depth_through, layout_planes
 from .options import Option, observed_support
 from .solids import ScanPoints, Solid, apart, deepest, depth_between
 
@@ -36,6 +37,7 @@ class Scene:
     ) -> None:
         self.entities, self.graph, self.settings = entities, graph, settings
         self.scans = scans
+        self.walls = [plane for plane in layout_planes(entities) if not plane.level]
         self.solid_things = [i for i in range(len(entities)) if not entities[i].is_layout]
         self.support = {i: observed_support(entities, graph, i) for i in self.solid_things}
 
@@ -77,10 +79,9 @@ class Arrangement:
             if parent < 0 or support is None or parent not in self.step:
                 continue
             height = self.step[parent][2]
-            if option is not None and option.carrying_m.get(i):
-                height += min(option.carrying_m[i], key=lambda h: abs(h - support))
-            else:
-                height += support
+            planes = option.carrying_m.get(i) if option is not None else None
+            heights = np.array(planes or [support])
+            height += heights[np.argmin(np.abs(heights - support))]
             own = self.chosen.get(i)
             bottom = own.solid.low[2] - clearance if own is not None else support
             self.step[i] = np.array([0.0, 0.0, height - bottom])
@@ -88,8 +89,12 @@ class Arrangement:
     def thing(self, i: int) -> Solid | ScanPoints:
         """The solid or scan of an entity where it stands."""
         if i in self.chosen:
-            return self.chosen[i].solid.moved(self.step[i])
+            return self.solid(i)
         return ScanPoints(self.scene.scans[i].points + self.step[i])
+
+    def solid(self, i: int) -> Solid:
+        """The model of an entity where it stands."""
+        return self.chosen[i].solid.moved(self.step[i])
 
     def clashes(self, fallen: set[int], only: int | None = None) -> list[Clash]:
         """Pairs that overlap too much, deepest first; scans of ``fallen`` entities yield."""
@@ -128,7 +133,7 @@ class Arrangement:
         if len(movers) < 2:
             return False
         i, other = sorted(movers, key=self._firmness)
-        depth, direction = deepest(self.thing(i), self.thing(other))
+        depth, direction = deepest(self.solid(i), self.solid(other))
         level = float(np.linalg.norm(direction[:2]))
         if level < 0.5:
             return False
@@ -136,8 +141,17 @@ class Arrangement:
         step = np.append(direction[:2] / level * length, 0.0)
         for k in self.subtree(i):
             self.step[k] = self.step[k] + step
-        return bool(np.linalg.norm((self.step[i] - before[i])[:2])
-                    <= self.scene.settings.max_nudge_m)  # fmt: skip
+        far = np.linalg.norm((self.step[i] - before[i])[:2]) > self.scene.settings.max_nudge_m
+        return not far and not self._in_a_wall(i)
+
+    def _in_a_wall(self, i: int) -> bool:
+        solid, limit = self.chosen[i].solid, self.scene.settings.penetration_tolerance_m
+        for plane in self.scene.walls:
+            # Where it was in a wall already, that was accepted.
+            before, now = (depth_through(s, plane)[0] for s in (solid, solid.moved(self.step[i])))
+            if now > max(before, limit):
+                return True
+        return False
 
     def _firmness(self, i: int) -> tuple[bool, float]:
         """Furniture that stands fixed yields last, then what fits best."""

@@ -51,6 +51,8 @@ def depth_through(solid: Solid, plane: LayoutPlane) -> tuple[float, float]:
     A part counts with all of it if its projection meets the rectangle.
     """
     behind, before = 0.0, 0.0
+    if _lowest(solid, plane) >= 0:
+        return behind, before
     for part in solid.parts:
         along = (part.vertices - plane.origin) @ plane.sides.T
         length_sq = np.sum(plane.sides**2, axis=1)
@@ -59,6 +61,12 @@ def depth_through(solid: Solid, plane: LayoutPlane) -> tuple[float, float]:
         signed = part.vertices @ plane.normal + plane.offset
         behind, before = max(behind, -signed.min()), max(before, signed.max())
     return float(behind), float(before)
+
+
+def _lowest(solid: Solid, plane: LayoutPlane) -> float:
+    """Signed distance of the nearest corner of the solid's box: most solids are off most walls."""
+    corner = np.where(plane.normal > 0, solid.low, solid.high)
+    return float(corner @ plane.normal + plane.offset)
 
 
 def cleared_of_layout(
@@ -74,16 +82,18 @@ def cleared_of_layout(
     code: what stands in the next room does not count. Where most of a thing lies behind a
     plane, the plane is doubtful and the thing stays.
     """
-    step = np.zeros(3)
+    step, start = np.zeros(3), solid
     for _ in range(_PASSES):
         moved = False
         for plane in planes:
-            behind, before = depth_through(solid.moved(step), plane)
+            behind, before = depth_through(solid, plane)
             if min(behind, before) > settings.layout_tolerance_m:
                 return step, f"penetrates {plane.name} by {min(behind, before):.2f} m"
             # What stands on something keeps its height: planes along its way are walls.
             if 0 < behind <= before and not (supported and plane.level):
                 step, moved = step + (behind + settings.clearance_m) * plane.normal, True
+                step = step * [1, 1, 0] if supported else step
+                solid = start.moved(step)
         if not moved:
             break
-    return step * ([1, 1, 0] if supported else 1), None
+    return step, None

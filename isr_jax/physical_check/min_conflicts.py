@@ -69,7 +69,10 @@ def _polished(chosen, errors, cost_of) -> list[int]:
     while changed:
         changed = False
         for i in range(len(errors)):
-            a = min(range(len(errors[i])), key=lambda a: cost_of(i, a))
-            if cost_of(i, a) < cost_of(i, chosen[i]):
+            now = cost_of(i, chosen[i])
+            # Of conflicts, which are dear to find out, only those of possible gains are asked for.
+            able = np.flatnonzero(errors[i] < now[2]) if now[0] == 0 else range(len(errors[i]))
+            a = min(map(int, able), key=lambda a: cost_of(i, a), default=chosen[i])
+            if cost_of(i, a) < now:
                 chosen[i], changed = a, True
     return chosen

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 
 import numpy as np
 from jaxtyping import Float
@@ -82,7 +81,6 @@ class _Judge:
         self.library: CadLibrary = library
         self.settings: PhysicalCheckSettings = settings
         self.layout: list[LayoutPlane] = layout_planes(entities)
-        self.parts = functools.cache(lambda m: model_parts(library[m]))
 
     def place(self, row: int) -> tuple[Option | None, str | None]:
         """The option of a row before its children are looked at, or why there is none."""
@@ -95,7 +93,7 @@ class _Judge:
         position, scale = int(self.shortlist.entity[row]), float(found.scale[row])
         T = np.asarray(found.T_world_cad[row], np.float64).copy()
         T[:3, :3] = _nearest_rotation(T[:3, :3])
-        solid = solid_of(self.parts(int(self.shortlist.model[row])), T, scale)
+        solid = solid_of(model_parts(self.library[int(self.shortlist.model[row])]), T, scale)
         step = np.zeros(3)
         support = observed_support(self.entities, self.graph, position)
         if support is not None:

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..cad_types import CadModel
-from ..geometry import ConvexPart, convex_part, depth_inside, moved_part, parts_apart, penetration
+from ..geometry import ConvexPart, convex_part, depth_inside, moved_part, penetration
 from ..robot_model import link_transforms
 
 _STRAY_POINTS = 8
@@ -35,12 +35,22 @@ class Solid:
     """How far the solid was moved since its shapes were made, metres."""
 
     @functools.cached_property
+    def lows(self) -> np.ndarray:
+        """Least coordinates of each part."""
+        return np.array([p.low for p in self.parts])
+
+    @functools.cached_property
+    def highs(self) -> np.ndarray:
+        """Greatest coordinates of each part."""
+        return np.array([p.high for p in self.parts])
+
+    @functools.cached_property
     def low(self) -> np.ndarray:
-        return np.min([p.low for p in self.parts], 0)
+        return self.lows.min(0)
 
     @functools.cached_property
     def high(self) -> np.ndarray:
-        return np.max([p.high for p in self.parts], 0)
+        return self.highs.max(0)
 
     def moved(self, step: np.ndarray) -> Solid:
         """The same solid, shifted."""
@@ -66,6 +76,7 @@ class ScanPoints:
         return self.points.max(0)
 
 
+@functools.lru_cache(maxsize=1024)
 def model_parts(model: CadModel) -> tuple[ConvexPart, ...]:
     """Collision hulls of a model in its canonical frame, joints closed."""
     T_model_link = link_transforms(model.robot)
@@ -110,10 +121,10 @@ def deepest(a: Solid, b: Solid) -> tuple[float, np.ndarray]:
     best = 0.0, np.zeros(3)
     if apart(a, b):
         return best
-    for part_a, shape_a in zip(a.parts, a.shapes, strict=True):
-        for part_b, shape_b in zip(b.parts, b.shapes, strict=True):
-            if not parts_apart(part_a, part_b) and _meet(shape_a, a.offset, shape_b, b.offset):
-                best = max(best, penetration(part_a, part_b), key=lambda found: found[0])
+    near = np.all((a.lows[:, None] <= b.highs) & (b.lows <= a.highs[:, None]), axis=2)
+    for i, j in np.argwhere(near).tolist():
+        if _meet(a.shapes[i], a.offset, b.shapes[j], b.offset):
+            best = max(best, penetration(a.parts[i], b.parts[j]), key=lambda found: found[0])
     return best
 
 

@@ -26,7 +26,7 @@ MeshUri = Callable[[Mesh, str], str]
 _EFFORT_LIMIT = 100.0  # N or N m; URDF demands one, nothing here limits effort
 _VELOCITY_LIMIT = 2.0  # m/s or rad/s, likewise
 _NAME = re.compile(r"[A-Za-z0-9_.\-]+")
-_KINDS = ("fixed", "revolute", "continuous", "prismatic")
+_MOMENTS = tuple((a, b, f"i{'xyz'[a]}{'xyz'[b]}") for a in range(3) for b in range(a, 3))
 
 
 def robot_elements(model: RobotModel, prefix: str, mesh_uri: MeshUri) -> list[Element]:
@@ -85,8 +85,7 @@ def _link_element(link: Link, prefix: str, mesh_uri: MeshUri) -> Element:
         inertial = ET.SubElement(element, "inertial")
         ET.SubElement(inertial, "origin", xyz=_row(link.com), rpy="0 0 0")
         ET.SubElement(inertial, "mass", value=_number(link.mass_kg))
-        pairs = ((a, b) for a in range(3) for b in range(a, 3))
-        entries = {f"i{'xyz'[a]}{'xyz'[b]}": _number(link.inertia[a, b]) for a, b in pairs}
+        entries = {key: _number(link.inertia[a, b]) for a, b, key in _MOMENTS}
         ET.SubElement(inertial, "inertia", entries)
     for visual in link.visuals:
         shape = ET.SubElement(element, "visual", name=_checked(visual.name))
@@ -130,12 +129,12 @@ def read_urdf(path: Path) -> RobotModel:
     """The model of a URDF with box and OBJ collisions and named visuals; raises `SceneError`."""
     try:
         root = ET.fromstring(path.read_bytes())
-        links = {e.get("name", ""): _read_link(e, path.parent) for e in root.findall("link")}
+        links = {_get(e, "name"): _read_link(e, path.parent) for e in root.findall("link")}
         joints = tuple(_read_joint(e) for e in root.findall("joint"))
     except OSError as error:
         problem = f"{error.filename or path}: {error.strerror}"
         raise SceneError(problem, "restore the file or write the model again") from None
-    except (ET.ParseError, ValueError, AttributeError, TypeError) as error:
+    except (ET.ParseError, ValueError) as error:
         problem = f"{path} is no URDF that can be read: {error}"
         raise SceneError(problem, "write the model again with write_urdf") from None
     children = [joint.child for joint in joints]
@@ -148,40 +147,54 @@ def read_urdf(path: Path) -> RobotModel:
     return RobotModel(root.get("name", path.stem), tuple(ordered), joints)
 
 
+def _child(element: Element, tag: str) -> Element:
+    found = element.find(tag)
+    if found is None:
+        raise ValueError(f"<{element.tag} {element.get('name', '')}> has no <{tag}>")
+    return found
+
+
+def _get(element: Element, key: str) -> str:
+    value = element.get(key)
+    if value is None:
+        raise ValueError(f"a <{element.tag}> has no {key!r}")
+    return value
+
+
 def _read_link(element: Element, folder: Path) -> Link:
     mass, com, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     inertial = element.find("inertial")
     if inertial is not None:
-        mass = float(inertial.find("mass").get("value"))
-        T = _read_origin(inertial)
+        mass = float(_get(_child(inertial, "mass"), "value"))
+        T, moments = _read_origin(inertial), _child(inertial, "inertia")
         com = T[:3, 3]
-        for a, b in ((a, b) for a in range(3) for b in range(a, 3)):
-            value = float(inertial.find("inertia").get(f"i{'xyz'[a]}{'xyz'[b]}", 0))
-            inertia[a, b] = inertia[b, a] = value
+        for a, b, key in _MOMENTS:
+            inertia[a, b] = inertia[b, a] = float(moments.get(key, 0))
         if not np.array_equal(T[:3, :3], np.eye(3)):
             inertia = T[:3, :3] @ inertia @ T[:3, :3].T
     visuals = [_read_visual(e, i, folder) for i, e in enumerate(element.findall("visual"))]
     hulls = [_read_shape(e, folder) for e in element.findall("collision")]
-    return Link(element.get("name"), tuple(visuals), tuple(hulls), mass, com, inertia)
+    return Link(_get(element, "name"), tuple(visuals), tuple(hulls), mass, com, inertia)
 
 
 def _read_visual(element: Element, index: int, folder: Path) -> Visual:
     color = element.find("material/color")
-    rgba = [0.7, 0.7, 0.7, 1.0] if color is None else _floats(color.get("rgba"))
+    shade = "0.7 0.7 0.7 1" if color is None else _get(color, "rgba")
+    red, green, blue, alpha = _floats(shade)
     name = element.get("name", f"visual_{index}")
-    return Visual(name, _read_shape(element, folder), tuple(rgba))
+    return Visual(name, _read_shape(element, folder), (red, green, blue, alpha))
 
 
 def _read_shape(element: Element, folder: Path) -> Mesh:
-    T, box, mesh = _read_origin(element), element.find("geometry/box"), None
+    T, box = _read_origin(element), element.find("geometry/box")
     if box is not None and np.array_equal(T[:3, :3], np.eye(3)):
         origin = element.find("origin")
         center = "0 0 0" if origin is None else origin.get("xyz", "0 0 0")
-        return box_between(*bounds_of(center.split(), box.get("size").split()))
+        return box_between(*bounds_of(center.split(), _get(box, "size").split()))
     mesh = element.find("geometry/mesh")
     if mesh is None or not np.array_equal(T, np.eye(4)) or mesh.get("scale"):
         raise ValueError("a shape is neither an upright box nor a mesh in its link's frame")
-    path = folder / mesh.get("filename")
+    path = folder / _get(mesh, "filename")
     try:
         return read_obj_text(path.read_text("utf-8"))
     except ValueError as error:
@@ -189,24 +202,24 @@ def _read_shape(element: Element, folder: Path) -> Mesh:
 
 
 def _read_joint(element: Element) -> Joint:
-    kind, axis, limit, dynamics = element.get("type"), element.find("axis"), {}, {}
-    if kind not in _KINDS:
-        raise ValueError(f"joint type {kind!r} is none of {', '.join(_KINDS)}")
-    if element.find("limit") is not None:
-        limit = element.find("limit").attrib
-    if element.find("dynamics") is not None:
-        dynamics = element.find("dynamics").attrib
+    kind = _get(element, "type")
+    if kind not in ("fixed", "revolute", "continuous", "prismatic"):
+        raise ValueError(f"joint type {kind!r} is not fixed, revolute, continuous or prismatic")
+    axis, limit = element.find("axis"), element.find("limit")
+    dynamics = element.find("dynamics")
+    limits = {} if limit is None else limit.attrib
+    losses = {} if dynamics is None else dynamics.attrib
     return Joint(
-        name=element.get("name"),
+        name=_get(element, "name"),
         kind=kind,
-        parent=element.find("parent").get("link"),
-        child=element.find("child").get("link"),
+        parent=_get(_child(element, "parent"), "link"),
+        child=_get(_child(element, "child"), "link"),
         T_parent_child=_read_origin(element),
-        axis=np.array([1.0, 0, 0] if axis is None else _floats(axis.get("xyz"))),
-        lower=float(limit.get("lower", 0)),
-        upper=float(limit.get("upper", 0)),
-        damping=float(dynamics.get("damping", 0)),
-        friction=float(dynamics.get("friction", 0)),
+        axis=np.array([1.0, 0.0, 0.0] if axis is None else _floats(_get(axis, "xyz"))),
+        lower=float(limits.get("lower", 0)),
+        upper=float(limits.get("upper", 0)),
+        damping=float(losses.get("damping", 0)),
+        friction=float(losses.get("friction", 0)),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -47,11 +48,16 @@ def _open_planes(model: CadModel) -> tuple[bool, ...]:
     steps = (np.arange(_PLANE_GRID) + 0.5) / _PLANE_GRID
     u, v = (g.reshape(-1, 1) for g in np.meshgrid(steps, steps))
     seen = []
-    for normal, corners in zip(model.planes.normal, model.planes.corners, strict=True):
+    for normal, corners in _plane_rows(model):
         points = corners[0] + u * (corners[1] - corners[0]) + v * (corners[3] - corners[0])
         escapes = _escapes(model, points, np.broadcast_to(normal, points.shape))
         seen.append(bool(np.mean(escapes >= _MIN_ESCAPES) >= _PLANE_SHARE))
     return tuple(seen)
+
+
+def _plane_rows(model: CadModel) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Normal and corners of each plane."""
+    return zip(np.asarray(model.planes.normal), np.asarray(model.planes.corners), strict=True)
 
 
 def open_planes(model: CadModel) -> np.ndarray:

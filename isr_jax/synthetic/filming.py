@@ -12,7 +12,7 @@ from ..raycast import RayScene, camera_rays
 from ..types import Camera
 from .noise import sensor_depth
 from .room import Room
-from .shading import shade
+from .shading import Developed, develop, studio
 from .surface import layout_surface, whole_surface
 
 SURFACE_GRID_M = 0.02
@@ -51,40 +51,42 @@ class Film:
         layout = [(p.id, layout_surface(p, np.inf)) for p in room.layout]
         items = [(item.id, whole_surface(item)) for item in room.items]
         surfaces = [surface for _, surface in (*layout, *items)]
-        self._room, self._camera, self._noise, self._seed = room, camera, noise, seed
+        self._camera, self._noise, self._seed = camera, noise, seed
+        self._studio = studio(room)
         self._scene = RayScene([s.mesh for s in surfaces], [i for i, _ in (*layout, *items)])
         self._albedo = np.concatenate([s.face_rgb for s in surfaces])
-        self._rays = camera_rays(camera).reshape(-1, 3).astype(np.float32)
-        self._ray_length = np.sqrt(np.einsum("pi,pi->p", self._rays, self._rays))
+        self._rays = camera_rays(camera).astype(np.float32)
 
     def shoot(self, index: int, T_world_camera: Float[np.ndarray, "4 4"]) -> Shot:
         """The frame seen from a pose; its noise depends on the seed and the index alone."""
         T = T_world_camera.astype(np.float32)
-        shape = (self._camera.height, self._camera.width)
-        directions = self._rays @ T[:3, :3].T
+        shape = self._rays.shape[:2]
+        # The rays of a row share y and those of a column x: two sums instead of a product.
+        across = self._rays[:1, :, :1] * T[:3, 0]
+        directions = (across + (self._rays[:, :1, 1:] @ T[:3, 1:3].T)).reshape(-1, 3)
         hits = self._scene.cast(np.broadcast_to(T[:3, 3], directions.shape), directions)
-        points = T[:3, 3] + directions * hits.distance[:, None]
-        facing = np.einsum("pi,pi->p", hits.normal, directions)
-        normals = hits.normal * -np.where(facing > 0, np.float32(1), np.float32(-1))[:, None]
-        incidence = np.arccos(np.clip(np.abs(facing) / self._ray_length, 0, 1))
-        rng = np.random.default_rng([self._seed, 2, index])
+        albedo = self._albedo[hits.triangle]
+        developed = develop(
+            self._studio, T[:3, 3], directions, hits.distance, hits.normal, albedo, hits.instance
+        )
         depth = hits.distance.reshape(shape)
-        color = shade(self._room, points, normals, self._albedo[hits.triangle], hits.instance)
-        noisy = sensor_depth(depth, incidence.reshape(shape), self._camera, self._noise, rng)
+        incidence = np.asarray(developed.incidence).reshape(shape)
+        rng = np.random.default_rng([self._seed, 2, index])
         return Shot(
-            color=color.reshape(*shape, 3),
-            depth_m=noisy,
+            color=np.asarray(developed.rgb).reshape(*shape, 3),
+            depth_m=sensor_depth(depth, incidence, self._camera, self._noise, rng),
             true_depth_m=depth,
             instance=hits.instance.reshape(shape),
-            seen=self._seen(depth, points, normals, hits.instance),
+            seen=self._seen(depth, developed, hits.instance),
         )
 
-    def _seen(self, depth, points, normals, instance) -> SeenSurface:
-        noise, stride = self._noise, _SURFACE_STRIDE
-        inside = (depth > max(noise.range_min_m, 0.0)) & (depth <= noise.range_max_m)
+    def _seen(self, depth: np.ndarray, developed: Developed, instance: np.ndarray) -> SeenSurface:
+        stride = _SURFACE_STRIDE
+        inside = (depth > self._noise.range_min_m) & (depth <= self._noise.range_max_m)
         rows = np.arange(depth.size).reshape(depth.shape)[::stride, ::stride]
         rows = rows[inside[::stride, ::stride]]
-        return thinned(SeenSurface(points[rows], normals[rows], instance[rows]))
+        points, normals = np.asarray(developed.point)[rows], np.asarray(developed.normal)[rows]
+        return thinned(SeenSurface(points, normals, instance[rows]))
 
 
 def thinned(seen: SeenSurface) -> SeenSurface:

@@ -12,6 +12,8 @@ from typing import Any
 import cv2
 import numpy as np
 import trimesh
+from scipy import ndimage
+from trimesh.exchange.ply import export_ply
 
 from ..classes import class_named, classes
 from ..config import NoiseModel
@@ -134,15 +136,20 @@ def _annotation(room: Room, index: int, shot: Shot) -> dict[str, Any]:
     """COCO panoptic annotation of one frame."""
     class_of = {patch.id: patch.class_name for patch in room.layout}
     class_of |= {item.id: item.model.class_name for item in room.items}
+    area = np.bincount(shot.instance.ravel())
     segments = []
-    for entity_id in np.unique(shot.instance[shot.instance > 0]).tolist():
-        rows, columns = np.nonzero(shot.instance == entity_id)
-        x, y = int(columns.min()), int(rows.min())
-        box = [x, y, int(columns.max()) - x + 1, int(rows.max()) - y + 1]
-        category = class_named(class_of[entity_id]).id
-        segments.append(
-            {"id": entity_id, "category_id": category, "area": len(rows), "bbox": box, "iscrowd": 0}
-        )
+    for entity_id, place in enumerate(ndimage.find_objects(shot.instance), 1):
+        if place is None:
+            continue
+        (top, bottom), (left, right) = ((side.start, side.stop) for side in place)
+        segment = {
+            "id": entity_id,
+            "category_id": class_named(class_of[entity_id]).id,
+            "area": int(area[entity_id]),
+            "bbox": [left, top, right - left, bottom - top],
+            "iscrowd": 0,
+        }
+        segments.append(segment)
     return {
         "image_id": index,
         "file_name": f"{frame_name(index)}.png",
@@ -188,7 +195,7 @@ def _write_ply(path: Path, mesh: Mesh) -> None:
         vertex_colors=mesh.colors,
         process=False,
     )
-    path.write_bytes(trimesh.exchange.ply.export_ply(whole, vertex_normal=True))
+    path.write_bytes(export_ply(whole, vertex_normal=True))
 
 
 def _write_json(path: Path, data: dict[str, Any]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..cad_types import CadModel
-from ..geometry.boxes import canonical_box
+from ..geometry import canonical_box, smallest_rotation
 from ..types import Box, Mesh
 
 WALL_SLAB_M = 0.02
@@ -121,15 +121,9 @@ class Room:
 
 
 def upright_from_gravity(gravity: np.ndarray, floor_height_m: float) -> np.ndarray:
-    """[4, 4] float64: the smallest rotation that brings ``gravity`` to -z, then a lift.
-
-    R = I + [v]x + [v]x^2 / (1 + c),  v = g x (-z),  c = g . (-z); gravity may not point to +z.
-    """
-    down = np.array([0.0, 0.0, -1.0])
-    v, c = np.cross(gravity, down), float(gravity @ down)
-    skew = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    """[4, 4] float64: the smallest rotation that brings ``gravity`` to -z, then a lift."""
     T = np.eye(4)
-    T[:3, :3] = np.eye(3) + skew + skew @ skew / (1.0 + c)
+    T[:3, :3] = smallest_rotation(gravity, np.array([0.0, 0.0, -1.0]))
     T[2, 3] = floor_height_m
     return T
 

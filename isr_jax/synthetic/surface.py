@@ -39,7 +39,7 @@ def layout_surface(patch: LayoutPatch, spacing_m: float) -> Surface:
     corner = (np.arange(nv)[:, None] * (nu + 1) + np.arange(nu)).ravel()
     quads = np.stack([corner, corner + 1, corner + nu + 2, corner + nu + 1], 1)
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
-    rgb = np.float32(_LAYOUT_RGB[patch.class_name])
+    rgb = np.array(_LAYOUT_RGB[patch.class_name], np.float32)
     mesh = Mesh(
         points.astype(np.float32),
         faces,
@@ -73,4 +73,4 @@ def open_surface(item: PlacedModel, spacing_m: float) -> Surface:
 
 
 def _tinted(item: PlacedModel, rgb: tuple[float, ...], faces: int) -> np.ndarray:
-    return np.tile(np.clip(np.float32(rgb) * item.tint, 0.02, 0.98), (faces, 1))
+    return np.tile(np.clip(np.array(rgb, np.float32) * item.tint, 0.02, 0.98), (faces, 1))

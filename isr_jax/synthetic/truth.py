@@ -32,9 +32,9 @@ def _layout_entity(patch: LayoutPatch, spacing_m: float) -> Entity:
     area = np.linalg.norm(sides[0]) * np.linalg.norm(sides[1])
     planes = PlaneSet(
         patch.normal[None],
-        np.float32([-patch.normal @ patch.corners.mean(0)]),
+        np.array([-patch.normal @ patch.corners.mean(0)], np.float32),
         patch.corners[None],
-        np.float32([area]),
+        np.array([area], np.float32),
         np.ones(1, bool),
     )
     mesh = layout_surface(patch, spacing_m).mesh
@@ -43,7 +43,7 @@ def _layout_entity(patch: LayoutPatch, spacing_m: float) -> Entity:
 
 def _item_entity(room: Room, item: PlacedModel, spacing_m: float) -> Entity:
     planes, rows = item.model.planes, kept_planes(room, item)
-    corners = item.to_world(planes.corners[rows].reshape(-1, 3)).reshape(-1, 4, 3)
+    corners = item.to_world(np.asarray(planes.corners)[rows].reshape(-1, 3)).reshape(-1, 4, 3)
     normal = (planes.normal[rows] @ item.T_world_cad[:3, :3].T).astype(np.float32)
     offset = -np.einsum("pi,pi->p", normal, corners.mean(1))
     area = (planes.area_m2[rows] * item.scale**2).astype(np.float32)
@@ -68,7 +68,7 @@ def kept_planes(room: Room, item: PlacedModel) -> np.ndarray:
 
 def truth_scene(room: Room) -> SceneFile:
     """What a result is compared with: true parents, planes, models and poses."""
-    return scene_of_entities(room, true_entities(room))
+    return scene_of_entities(room, true_entities(room, spacing_m=1.0))
 
 
 def scene_of_entities(room: Room, entities: Entities) -> SceneFile:

@@ -20,13 +20,14 @@ from .solids import Solid, box, frustum, prism
 
 _SEAM_M = 0.002
 _CHAMFER_M = 0.03
+CompartmentKind = Literal["left", "right", "double", "drawer"]
 
 
 @dataclasses.dataclass(frozen=True)
 class Compartment:
     """A part of a fridge behind one door, two doors, or a drawer."""
 
-    kind: Literal["left", "right", "double", "drawer"]
+    kind: CompartmentKind
     """Where its hinge is, seen from the front."""
     share: float = 1.0
 
@@ -48,14 +49,7 @@ def fridge(
     x, y = width / 2, depth / 2
     face = -y + door + CLEARANCE_M
     builder.add(m.PLASTIC, box((-x + 0.02, x - 0.02), (face + 0.02, y - 0.02), (0.0, foot)))
-    body = (face, y)
-    for side in (-1, 1):
-        span = tuple(sorted((side * x, side * (x - wall))))
-        builder.add(shell, box(span, body, (foot, height)))
-    inner = (-x + wall, x - wall)
-    builder.add(shell, box(inner, body, (foot, foot + wall)))
-    builder.add(shell, box(inner, body, (height - wall, height)))
-    builder.add(shell, box(inner, (y - wall, y), (foot + wall, height - wall)))
+    inner = _add_insulation(builder, shell, ((-x, x), (face, y), (foot, height)), wall)
     machine = (foot + wall, foot + wall + 0.2)
     rear = y - wall - 0.2
     split = [round(v, 3) for v in np.linspace(-x, x, len(columns) + 1)]
@@ -71,6 +65,16 @@ def fridge(
         frame = _Frame(front, room, (-y, face, y - wall), (foot, height), rear, machine[1], wall)
         _add_compartments(builder, column, frame, shell)
     return builder.build()
+
+
+def _add_insulation(builder: ModelBuilder, shell: m.Material, space: Space, wall: float) -> Bounds:
+    """Walls around ``space``, open to the front; the bounds of what is left between the sides."""
+    (x0, x1), body, (z0, z1) = space
+    builder.add(shell, box((x0, x0 + wall), body, (z0, z1)), box((x1 - wall, x1), body, (z0, z1)))
+    inner = (x0 + wall, x1 - wall)
+    builder.add(shell, box(inner, body, (z0, z0 + wall)), box(inner, body, (z1 - wall, z1)))
+    builder.add(shell, box(inner, (body[1] - wall, body[1]), (z0 + wall, z1 - wall)))
+    return inner
 
 
 @dataclasses.dataclass(frozen=True)
@@ -92,7 +96,9 @@ def _add_compartments(builder, column: tuple[Compartment, ...], frame: _Frame, s
     start, face, back = frame.depth
     rows = column[::-1]
     total = sum(row.share for row in rows)
-    edges = [z0 + round((z1 - z0) * sum(r.share for r in rows[:k]) / total, 3) for k in range(len(rows))]
+    edges = [
+        z0 + round((z1 - z0) * sum(r.share for r in rows[:k]) / total, 3) for k in range(len(rows))
+    ]
     edges.append(z1)
     half = frame.wall / 2
     for k, row in enumerate(rows):
@@ -100,10 +106,10 @@ def _add_compartments(builder, column: tuple[Compartment, ...], frame: _Frame, s
         last = k == len(rows) - 1
         if k:
             builder.add(shell, box(frame.room, (face, back), (low - half, low + half)))
-        space = (frame.room, (face, back),
-                 (low + (half if k else frame.wall), high - (frame.wall if last else half)))  # fmt: skip
-        panel = (frame.front, (start, face - CLEARANCE_M),
-                 (low + (_SEAM_M if k else 0), high - (0 if last else _SEAM_M)))  # fmt: skip
+        inside = (low + (half if k else frame.wall), high - (frame.wall if last else half))
+        space = (frame.room, (face, back), inside)
+        tall = (low + (_SEAM_M if k else 0.0), high - (0.0 if last else _SEAM_M))
+        panel = (frame.front, (start, face - CLEARANCE_M), tall)
         if row.kind == "drawer":
             _add_freezer_drawer(builder, panel, space, frame if k == 0 else None, shell)
             continue
@@ -149,7 +155,13 @@ def _add_doors(builder: ModelBuilder, panel: Space, kind: str, shell: m.Material
         reach = min(max((z[0] + z[1]) / 2, z[0] + length / 2 + 0.04), 1.15)
         center = min(max(reach, z[0] + length / 2 + 0.04), z[1] - length / 2 - 0.04)
         add_bar_handle(
-            builder, (grip, y[0], center), length, upright=True, link=name, thickness=0.016, reach=0.05
+            builder,
+            (grip, y[0], center),
+            length,
+            upright=True,
+            link=name,
+            thickness=0.016,
+            reach=0.05,
         )
         hinge = (left if free > 0 else right, y[0], (z[0] + z[1]) / 2)
         builder.hinge(name, hinge, (0, 0, -free), OPEN_RAD, damping=1.0, friction=0.6)
@@ -169,7 +181,13 @@ def _add_freezer_drawer(builder, panel: Space, space: Space, frame, shell: m.Mat
     builder.add(m.LINER, box((x0 + t, x1 - t), (y1, end - t), (low, low + t)), link=name)
     at = ((px0 + px1) / 2, y0, pz1 - 0.07)
     add_bar_handle(
-        builder, at, min(0.5, 0.6 * (px1 - px0)), upright=False, link=name, thickness=0.016, reach=0.05
+        builder,
+        at,
+        min(0.5, 0.6 * (px1 - px0)),
+        upright=False,
+        link=name,
+        thickness=0.016,
+        reach=0.05,
     )
     builder.slide(name, (0, -1, 0), round(0.75 * (end - y1), 2), damping=10.0, friction=4.0)
 
@@ -190,7 +208,9 @@ def microwave(
     face = -y + door + CLEARANCE_M
     edge = x - panel
     body = (face, y)
-    builder.add(shell, box((-x, -x + t), body, (foot, height)), box((x - t, x), body, (foot, height)))
+    builder.add(
+        shell, box((-x, -x + t), body, (foot, height)), box((x - t, x), body, (foot, height))
+    )
     inner = (-x + t, x - t)
     builder.add(shell, box(inner, body, (foot, foot + t)), box(inner, body, (height - t, height)))
     room = (foot + t, height - t)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from ...cad_types import CadModel
 from . import materials as m
 from .builder import ModelBuilder
-from .solids import box
+from .solids import between, box
 
 _RAIL_M = 0.03
 
@@ -37,16 +37,16 @@ def bed(
     deck = (low - 0.02, low)
     rails = (max(0.1, low - 0.14), low + 0.06)
     for side in (-1, 1):
-        span = tuple(sorted((side * x, side * (x + rail))))
+        span = between(side * x, side * (x + rail))
         builder.add(frame, box(span, (-y, y), rails))
     builder.add(m.SLATS, box((-x, x), (-y, y), deck))
     builder.add(m.MATTRESS, box((-x, x), (-y, y), (low, lying)))
     ends = ((1, max(headboard, rails[1])), (-1, max(footboard, rails[1])))
     for end, top in ends:
-        span = tuple(sorted((end * y, end * (y + 0.04))))
+        span = between(end * y, end * (y + 0.04))
         builder.add(frame, box((-x - rail, x + rail), span, (rails[0], top)))
         for side in (-1, 1):
-            leg = tuple(sorted((side * (x + rail), side * (x + rail - 0.06))))
+            leg = between(side * (x + rail), side * (x + rail - 0.06))
             builder.add(frame, box(leg, span, (0.0, rails[0])))
     if side_back:
         builder.add(frame, box((x, x + rail), (-y, y), (rails[1], side_back)))
@@ -59,7 +59,9 @@ def _add_pillows(builder: ModelBuilder, count: int, x: float, y: float, lying: f
     for k in range(count):
         center, half = -x + (k + 0.5) * step, min(0.32, 0.42 * step)
         across = (round(center - half, 3), round(center + half, 3))
-        builder.add(m.PILLOW, box(across, (y - 0.45, y - 0.05), (lying, lying + 0.1)), carries=False)
+        builder.add(
+            m.PILLOW, box(across, (y - 0.45, y - 0.05), (lying, lying + 0.1)), carries=False
+        )
 
 
 def divan(

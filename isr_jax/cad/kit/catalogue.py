@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 from ...cad_types import CadModel
 from . import materials as m
-from .appliances import Compartment, fridge, microwave, monitor
+from .appliances import Compartment, CompartmentKind, fridge, microwave, monitor
 from .beds import bed, divan
-from .fronts import Column, Front, Look
+from .fronts import Column, Front, FrontKind, Look
 from .seats import office_chair, shell_chair, sofa, wooden_chair
 from .small import book, cup, round_bin, square_bin
 from .storage import bookshelf, cabinet, counter, wall_cabinet
@@ -34,7 +34,12 @@ def _columns(*texts: str) -> tuple[Column, ...]:
     """Columns from words: ``D`` a drawer, ``L``/``R`` a door hinged there, ``O`` open; digits
     after a letter are its share."""
     columns = []
-    kinds = {"D": "drawer", "L": "door_left", "R": "door_right", "O": "open"}
+    kinds: dict[str, FrontKind] = {
+        "D": "drawer",
+        "L": "door_left",
+        "R": "door_right",
+        "O": "open",
+    }
     for text in texts:
         words = text.split()
         fronts = tuple(Front(kinds[w[0]], float(w[1:] or 1)) for w in words)
@@ -132,8 +137,18 @@ _SHELVES = (
     _row("narrow_40", bookshelf, 0.4, 0.28, 2.02, rows=6, board=m.OAK_BOARD),
     _row("middle_80", bookshelf, 0.8, 0.28, 1.06, rows=3),
     _row("cube_77x77", bookshelf, 0.77, 0.39, 0.77, rows=2, columns=2, back=False, plinth=0.0),
-    _row("cube_77x147", bookshelf, 0.77, 0.39, 1.47, rows=4, columns=2, back=False, plinth=0.0,
-         board=m.BIRCH),
+    _row(
+        "cube_77x147",
+        bookshelf,
+        0.77,
+        0.39,
+        1.47,
+        rows=4,
+        columns=2,
+        back=False,
+        plinth=0.0,
+        board=m.BIRCH,
+    ),
     _row("wide_120", bookshelf, 1.2, 0.3, 1.8, rows=5, columns=2, board=m.WALNUT),
     _row("low_140", bookshelf, 1.4, 0.35, 0.6, rows=2, columns=3, board=m.PINE),
 )
@@ -190,11 +205,15 @@ _BEDS = (
 
 
 def _cold(*columns: str) -> tuple[tuple[Compartment, ...], ...]:
-    """Compartments from words, top down: ``L``/``R`` hinged there, ``B`` two doors, ``D`` drawer."""
-    kinds = {"L": "left", "R": "right", "B": "double", "D": "drawer"}
+    """Compartments from words, top down: ``L``/``R`` hinged there, ``B`` both, ``D`` a drawer."""
+    kinds: dict[str, CompartmentKind] = {
+        "L": "left",
+        "R": "right",
+        "B": "double",
+        "D": "drawer",
+    }
     return tuple(
-        tuple(Compartment(kinds[w[0]], float(w[1:] or 1)) for w in text.split())
-        for text in columns
+        tuple(Compartment(kinds[w[0]], float(w[1:] or 1)) for w in text.split()) for text in columns
     )
 
 

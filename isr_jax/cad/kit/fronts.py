@@ -25,6 +25,7 @@ _RAIL_M = 0.013
 """Drawer rails take this on each side."""
 _DRAWER_BOARD_M = 0.012
 
+FrontKind = Literal["door_left", "door_right", "drawer", "open"]
 Bounds = tuple[float, float]
 Space = tuple[Bounds, Bounds, Bounds]
 
@@ -33,7 +34,7 @@ Space = tuple[Bounds, Bounds, Bounds]
 class Front:
     """What closes one opening. ``door_left`` has its hinge at the left, seen from the front."""
 
-    kind: Literal["door_left", "door_right", "drawer", "open"]
+    kind: FrontKind
     share: float = 1.0
     """Of the column's height, relative to the other fronts of the column."""
 
@@ -105,7 +106,7 @@ def _add_column(
             k == 0 or k == len(fronts) or {fronts[k - 1].kind, fronts[k].kind} != {"drawer"}
             for k in (i, i + 1)
         ]
-        if 0 < i and boarded[0]:
+        if i > 0 and boarded[0]:
             builder.add(look.board, box(inner, depth, (low - BOARD_M / 2, low + BOARD_M / 2)))
         floor = low + (BOARD_M if i == 0 else BOARD_M / 2 if boarded[0] else _SEAM_M)
         roof = high - (BOARD_M if i == len(fronts) - 1 else BOARD_M / 2 if boarded[1] else _SEAM_M)

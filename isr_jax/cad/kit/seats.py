@@ -7,12 +7,15 @@ the floor (EN 1335 for work, EN 12520 for homes); sofas have seats 0.40 to 0.45 
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from ...cad_types import CadModel
 from . import materials as m
 from .builder import ModelBuilder
-from .solids import Solid, box, frustum, prism
+from .fronts import Space
+from .solids import Solid, between, box, frustum, prism
 
 
 def _leaning(
@@ -44,36 +47,56 @@ def wooden_chair(
     pad = 0.03 if cushion else 0.0
     under = seat - pad - board
     builder.add(frame, box((-x, x), (-y, y), (under, under + board)))
+    _add_legs(builder, frame, (x, y), leg, under)
+    deck = under + board
+    rear = (y - 0.03, y)
+    if cushion:
+        builder.add(cushion, box((-x + 0.01, x - 0.01), (-y + 0.005, rear[0] - 0.01), (deck, seat)))
+    for side in (-1, 1):
+        post = between(side * x, side * (x - leg))
+        builder.add(frame, _leaning(post, rear, (deck, height), lean, deck))
+    inner, middle = (-x + leg, x - leg), (rear[0] + 0.008, rear[1] - 0.008)
+    add_slats = _add_upright_slats if upright_slats else _add_level_slats
+    add_slats(builder, frame, slats, (inner, middle, (deck, height)), lean)
+    return builder.build()
+
+
+def _add_legs(
+    builder: ModelBuilder, frame: m.Material, half: tuple[float, float], leg: float, under: float
+) -> None:
+    """Square legs at the corners and rails between them."""
+    x, y = half
     for sx in (-1, 1):
         for sy in (-1, 1):
-            bx, by = sorted((sx * x, sx * (x - leg))), sorted((sy * y, sy * (y - leg)))
-            builder.add(frame, box(tuple(bx), tuple(by), (0.0, under)))
+            bx, by = between(sx * x, sx * (x - leg)), between(sy * y, sy * (y - leg))
+            builder.add(frame, box(bx, by, (0.0, under)))
     rail = (under - 0.05, under)
     for side in (-1, 1):
         c = side * (x - leg / 2)
         builder.add(frame, box((c - 0.01, c + 0.01), (-y + leg, y - leg), rail))
         c = side * (y - leg / 2)
         builder.add(frame, box((-x + leg, x - leg), (c - 0.01, c + 0.01), rail))
-    deck = under + board
-    rear = (y - 0.03, y)
-    if cushion:
-        builder.add(cushion, box((-x + 0.01, x - 0.01), (-y + 0.005, rear[0] - 0.01), (deck, seat)))
-    for side in (-1, 1):
-        post = tuple(sorted((side * x, side * (x - leg))))
-        builder.add(frame, _leaning(post, rear, (deck, height), lean, deck))
-    inner, middle = (-x + leg, x - leg), (rear[0] + 0.008, rear[1] - 0.008)
-    if upright_slats:
-        builder.add(frame, _leaning(inner, middle, (height - 0.06, height), lean, deck))
-        edges = np.linspace(inner[0], inner[1], 2 * slats + 2)
-        for a, b in zip(edges[1::2], edges[2::2]):
-            span = (round(a, 4), round(b, 4))
-            builder.add(frame, _leaning(span, middle, (deck, height - 0.06), lean, deck))
-        return builder.build()
+
+
+def _add_upright_slats(
+    builder: ModelBuilder, frame: m.Material, slats: int, back: Space, lean: float
+) -> None:
+    inner, y, (deck, height) = back
+    builder.add(frame, _leaning(inner, y, (height - 0.06, height), lean, deck))
+    edges = np.linspace(inner[0], inner[1], 2 * slats + 2)
+    for a, b in zip(edges[1::2], edges[2::2]):
+        span = (round(a, 4), round(b, 4))
+        builder.add(frame, _leaning(span, y, (deck, height - 0.06), lean, deck))
+
+
+def _add_level_slats(
+    builder: ModelBuilder, frame: m.Material, slats: int, back: Space, lean: float
+) -> None:
+    inner, y, (deck, height) = back
     pitch = (height - deck - 0.12) / slats
     for k in range(slats):
         top = round(height - k * pitch, 4)
-        builder.add(frame, _leaning(inner, middle, (top - 0.65 * pitch, top), lean, deck))
-    return builder.build()
+        builder.add(frame, _leaning(inner, y, (top - 0.65 * pitch, top), lean, deck))
 
 
 def shell_chair(
@@ -149,7 +172,10 @@ def office_chair(
 
 def _foot(angle: float) -> list[Solid]:
     """One arm of the foot and its caster."""
-    along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    along, across = (
+        np.array([np.cos(angle), np.sin(angle)]),
+        np.array([-np.sin(angle), np.cos(angle)]),
+    )
     reach, root = 0.29, 0.06
 
     def corners(a: float, b: float, half: float) -> np.ndarray:
@@ -185,19 +211,26 @@ def sofa(
     builder.add(fabric, box(inner, (front, rear), (low, deck)))
     builder.add(fabric, box(inner, (rear, y), (low, height)))
     for side in (-1, 1) if arm else ():
-        span = tuple(sorted((side * x, side * (x - arm))))
+        span = between(side * x, side * (x - arm))
         builder.add(fabric, box(span, (front, y), (low, arm_height)))
     edges = [round(v, 3) for v in np.linspace(inner[0], inner[1], seats + 1)]
-    for i, (a, b) in enumerate(zip(edges, edges[1:])):
+    for i, (a, b) in enumerate(itertools.pairwise(edges)):
         span = (a + (0.0015 if i else 0), b - (0.0015 if i < seats - 1 else 0))
         builder.add(fabric, box(span, (front + 0.01, rear), (deck, seat)))
     if chaise:
         span = (edges[-2] + 0.0015, x)
         builder.add(fabric, box(span, (front - chaise, front), (low, seat)))
-    reach = front - chaise
-    feet = [(-x + 0.06, front + 0.06), (x - 0.06, reach + 0.06), (-x + 0.06, y - 0.06), (x - 0.06, y - 0.06)]
+    feet = [(-x, front), (x, front - chaise), (-x, y), (x, y)]
     if chaise:
-        feet.append((edges[-2] + 0.06, reach + 0.06))
-    for cx, cy in feet:
-        builder.add(m.BLACK_WOOD, box((cx - 0.025, cx + 0.025), (cy - 0.025, cy + 0.025), (0.0, foot)))
+        feet.append((edges[-2] + 0.12, front - chaise))
+    _add_feet(builder, feet, foot)
     return builder.build()
+
+
+def _add_feet(builder: ModelBuilder, corners: list[tuple[float, float]], height: float) -> None:
+    """Wooden feet a little inside the given corners."""
+    for x, y in corners:
+        cx = x + 0.06 if x < 0 else x - 0.06
+        cy = y + 0.06 if y < 0 else y - 0.06
+        foot = box((cx - 0.025, cx + 0.025), (cy - 0.025, cy + 0.025), (0.0, height))
+        builder.add(m.BLACK_WOOD, foot)

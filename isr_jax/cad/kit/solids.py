@@ -66,6 +66,11 @@ def fan_triangles(faces: Sequence[Sequence[int]]) -> np.ndarray:
     return np.array(triangles, np.int32)
 
 
+def between(a: float, b: float) -> tuple[float, float]:
+    """Bounds from two ends in any order."""
+    return (a, b) if a < b else (b, a)
+
+
 def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Solid:
     """An axis-aligned box between the given bounds."""
     low, high = np.array([x[0], y[0], z[0]]), np.array([x[1], y[1], z[1]])
@@ -103,7 +108,9 @@ def frustum(
     sides: int = ROUND_SIDES,
 ) -> Solid:
     """An upright round piece, its radius going from ``radii[0]`` at the bottom to ``radii[1]``."""
-    ends = [np.column_stack([circle(r, sides, center), np.full(sides, h)]) for r, h in zip(radii, z)]
+    ends = [
+        np.column_stack([circle(r, sides, center), np.full(sides, h)]) for r, h in zip(radii, z)
+    ]
     quads = [(i, (i + 1) % sides, (i + 1) % sides + sides, i + sides) for i in range(sides)]
     caps = [tuple(range(sides - 1, -1, -1)), tuple(range(sides, 2 * sides))]
     return Solid(np.concatenate(ends), (*quads, *caps), curved=frozenset(range(sides)))

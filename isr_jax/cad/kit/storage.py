@@ -8,12 +8,13 @@ of 0.3 to 1.2 m; wall units are 0.35 to 0.4 m deep and 0.35 to 0.9 m high; workt
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 from ...cad_types import CadModel
 from . import materials as m
 from .builder import ModelBuilder
 from .fronts import BACK_M, BOARD_M, Column, Look, add_carcass
-from .solids import box
+from .solids import between, box
 
 
 def cabinet(
@@ -109,7 +110,7 @@ def bookshelf(
     x, y, t = width / 2, depth / 2, BOARD_M
     rear = y - BACK_M if back else y
     for side in (-1, 1):
-        bounds = tuple(sorted((side * x, side * (x - t))))
+        bounds = between(side * x, side * (x - t))
         builder.add(board, box(bounds, (-y, y), (0.0, height)))
     inner, low = (-x + t, x - t), plinth
     if plinth:
@@ -122,6 +123,6 @@ def bookshelf(
         builder.add(board, box(inner, (rear, y), (low, height)))
     for k in range(1, columns):
         c = inner[0] + round((inner[1] - inner[0]) * k / columns, 3)
-        for a, b in zip(levels, levels[1:]):
+        for a, b in itertools.pairwise(levels):
             builder.add(board, box((c - t / 2, c + t / 2), (-y, rear), (a + t, b)))
     return builder.build()

@@ -113,7 +113,12 @@ def _sheets(pieces: list[Piece]) -> list[_Sheet]:
         for i, (face, plane) in enumerate(zip(solid.faces, solid.planes)):
             if i in solid.hidden or i in solid.curved:
                 continue
-            key = (piece.link, piece.carries, *np.round(plane[:3], 3) + 0.0, round(plane[3], 4) + 0.0)
+            key = (
+                piece.link,
+                piece.carries,
+                *np.round(plane[:3], 3) + 0.0,
+                round(plane[3], 4) + 0.0,
+            )
             if key not in sheets:
                 sheets[key] = _Sheet(piece.link, plane[:3], plane[3], [], piece.carries)
             sheets[key].polygons.append(solid.vertices[list(face)])
@@ -240,20 +245,25 @@ def _supporting(grid: _Grid, space: _Space, bare: np.ndarray) -> list[Plane]:
     gap = (grid.owner < 0) & narrow
     probes = grid.centers[gap] + _PROBE_M * grid.sheet.normal
     gap[gap] = ~space.blocked(probes, np.array([0.0, 0, 1]), CLEARANCE_M)
-    labels, count = ndimage.label(free | gap)
-    regions = []
-    for k in range(1, count + 1):
+    regions = _regions(grid, free, gap)
+    return [_plane(grid, r, supporting=True) for r in regions if _is_useful(grid, r)]
+
+
+def _regions(grid: _Grid, free: np.ndarray, gap: np.ndarray) -> list[np.ndarray]:
+    """Free cells in one piece each, narrow joints bridged, L-shapes cut where polygons meet."""
+    labels, regions = np.zeros(free.shape, np.int32), []
+    ndimage.label(free | gap, output=labels)
+    for k in range(1, int(labels.max()) + 1):
         region = (labels == k) & free
         if not region.any():
             continue
-        corners = grid.rectangle(region)
+        corners, owners = grid.rectangle(region), np.unique(grid.owner[region])
         full = np.linalg.norm(corners[1] - corners[0]) * np.linalg.norm(corners[3] - corners[0])
-        owners = np.unique(grid.owner[region])
-        if grid.area(region) < 0.7 * full and len(owners) > 1:  # L-shaped: a rectangle lies
+        if grid.area(region) < 0.7 * full and len(owners) > 1:
             regions += [region & (grid.owner == owner) for owner in owners]
         else:
             regions.append(region)
-    return [_plane(grid, r, supporting=True) for r in regions if _is_useful(grid, r)]
+    return regions
 
 
 def _is_useful(grid: _Grid, cells: np.ndarray) -> bool:

@@ -11,7 +11,7 @@ from ...cad_types import CadModel
 from . import materials as m
 from .builder import ModelBuilder
 from .fronts import Column, Front, Look, add_carcass
-from .solids import box, frustum, tapered_box
+from .solids import between, box, frustum, tapered_box
 
 
 def rectangular_table(
@@ -36,8 +36,8 @@ def rectangular_table(
     lx, ly = x - overhang, y - overhang
     for sx in (-1, 1):
         for sy in (-1, 1):
-            bx, by = sorted((sx * lx, sx * (lx - leg))), sorted((sy * ly, sy * (ly - leg)))
-            builder.add(frame, box(tuple(bx), tuple(by), (0.0, under)))
+            bx, by = between(sx * lx, sx * (lx - leg)), between(sy * ly, sy * (ly - leg))
+            builder.add(frame, box(bx, by, (0.0, under)))
     if apron:
         _add_aprons(builder, frame, lx, ly, leg, (under - apron, under))
     if shelf is not None:
@@ -72,7 +72,9 @@ def round_table(
     r, under = diameter / 2, height - top
     builder.add(material, frustum((r, r), (under, height), sides=32))
     builder.add(frame, frustum((column, column), (0.03, under)))
-    builder.add(m.STEEL, frustum((foot * r, foot * r * 0.97), (0.0, 0.012), sides=32), carries=False)
+    builder.add(
+        m.STEEL, frustum((foot * r, foot * r * 0.97), (0.0, 0.012), sides=32), carries=False
+    )
     builder.add(frame, frustum((column * 2, column), (0.012, 0.03)))
     return builder.build()
 
@@ -98,7 +100,9 @@ def trestle_table(
         feet = (center - panel, center + panel)
         builder.add(material, box(feet, (-0.42 * depth, 0.42 * depth), (0.0, foot)))
     inner = x - 0.22 * min(width, 1.2) - panel / 2
-    builder.add(material, box((-inner, inner), (-0.018, 0.018), (0.32 * height, 0.32 * height + 0.1)))
+    builder.add(
+        material, box((-inner, inner), (-0.018, 0.018), (0.32 * height, 0.32 * height + 0.1))
+    )
     return builder.build()
 
 
@@ -118,7 +122,9 @@ def tapered_leg_table(
     for sx in (-1, 1):
         for sy in (-1, 1):
             foot, head = (sx * (x - 0.04), sy * (y - 0.04)), (sx * (x - 0.12), sy * (y - 0.12))
-            rows = [(cx - r, cx + r, cy - r, cy + r) for (cx, cy), r in ((foot, 0.016), (head, 0.028))]
+            rows = [
+                (cx - r, cx + r, cy - r, cy + r) for (cx, cy), r in ((foot, 0.016), (head, 0.028))
+            ]
             builder.add(material, tapered_box(rows[0], rows[1], (0.0, under)))
     return builder.build()
 
@@ -138,7 +144,7 @@ def panel_desk(
     x, y, under = width / 2, depth / 2, height - board
     builder.add(material, box((-x, x), (-y, y), (under, height)))
     for side in (-1, 1):
-        bounds = tuple(sorted((side * x, side * (x - board))))
+        bounds = between(side * x, side * (x - board))
         builder.add(material, box(bounds, (-y + 0.02, y - 0.02), (0.0, under)))
     inner = (-x + board, x - board)
     builder.add(material, box(inner, (y - 0.02 - 0.018, y - 0.02), (under - modesty, under)))

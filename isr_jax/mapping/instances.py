@@ -1,0 +1,119 @@
+"""Global instances: what is known of each, and which of them turn out to be one."""
+
+from __future__ import annotations
+
+import collections
+
+import numpy as np
+from jaxtyping import Int
+
+from ..classes import classes
+from ..config import MappingSettings
+
+Triplets = dict[tuple[int, int], int]
+"""Of one label: (class, instance) -> Phi, the frames in which it was both."""
+
+
+class Instances:
+    """Class, frames and merges of every global instance; instance 0 is none."""
+
+    def __init__(self, settings: MappingSettings) -> None:
+        self.settings = settings
+        self.group = _groups(settings.instance_condition)
+        """Class -> its group: an instance keeps to the classes of one group."""
+        self.class_of: list[int] = [0]
+        self.frames: list[int] = [0]
+        """Frames in which an instance was seen."""
+        self.into: list[int] = [0]
+        """Instance -> the instance it has become; itself where it has not."""
+        self.apart: dict[tuple[int, int], int] = {}
+        """Frames in which two instances were seen as two."""
+
+    def is_thing(self, instance: int) -> bool:
+        """Whether it is a thing, and not merged into another."""
+        return instance > 0 and classes()[self.class_of[instance]].kind == "thing"
+
+    def fresh(self, class_id: int) -> int:
+        """A new instance of a class."""
+        self.class_of.append(class_id)
+        self.frames.append(0)
+        self.into.append(len(self.into))
+        return len(self.into) - 1
+
+    def of_stuff(self, class_id: int) -> int:
+        """All of one stuff or layout class is one instance."""
+        if class_id in self.class_of:
+            return self.class_of.index(class_id)
+        return self.fresh(class_id)
+
+    def count(self, seen: set[int]) -> None:
+        """Count one frame in which these instances were seen, each apart from the others."""
+        for instance in seen:
+            self.frames[instance] += 1
+        things = sorted(o for o in seen if self.is_thing(o))
+        for i, a in enumerate(things):
+            for b in things[i + 1 :]:
+                self.apart[a, b] = self.apart.get((a, b), 0) + 1
+
+    def regulate(self, counts: list[Triplets], seen: set[int]) -> None:
+        """Merge instances that lastingly share geometric labels; ``counts`` follow.
+
+        i and j merge when sum_l min(Phi(l,i), Phi(l,j)) > ratio * min(n_i, n_j) and > min, with
+        Phi(l,o) = sum_c Phi(l,c,o) and n = sum_l Phi(l,o). The released code counts associations
+        after the first shared one against n_i + n_j; the minimum forgives single wrong frames.
+        Instances that were seen as two in one frame more often than that never merge, so the
+        classes need not agree (``regulate_classes``): a table that was a counter for some frames
+        is one thing, a cup on a table is seen beside it and stays two.
+        """
+        shared: collections.Counter[tuple[int, int]] = collections.Counter()
+        totals: collections.Counter[int] = collections.Counter()
+        for triplets in counts:
+            things = self._things(triplets)
+            for i, (a, n_a) in enumerate(things):
+                totals[a] += n_a
+                for b, n_b in things[i + 1 :]:
+                    shared[a, b] += min(n_a, n_b)
+        for (a, b), count in sorted(shared.items()):
+            if (a in seen or b in seen) and self._are_one(a, b, count, totals):
+                self._merge(a, b, counts)
+
+    def _things(self, triplets: Triplets) -> list[tuple[int, int]]:
+        """Thing instances of a label and their counts over all classes, ascending."""
+        by_instance: collections.Counter[int] = collections.Counter()
+        for (_, instance), count in triplets.items():
+            if self.is_thing(instance):
+                by_instance[instance] += count
+        return sorted(by_instance.items())
+
+    def _are_one(self, a: int, b: int, shared: int, totals: collections.Counter[int]) -> bool:
+        alive = self.into[a] == a and self.into[b] == b
+        alike = self.group[self.class_of[a]] == self.group[self.class_of[b]]
+        return bool(
+            alive
+            and (self.settings.regulate_classes or alike)
+            and shared > self.settings.instance_merge_ratio * min(totals[a], totals[b])
+            and shared > max(self.settings.instance_merge_min, self.apart.get((a, b), 0))
+        )
+
+    def _merge(self, keep: int, gone: int, counts: list[Triplets]) -> None:
+        self.into = [keep if o == gone else o for o in self.into]
+        self.class_of[gone] = 0
+        self.frames[keep] += self.frames[gone]
+        for triplets in counts:
+            for class_id, instance in [key for key in triplets if key[1] == gone]:
+                count = triplets.pop((class_id, instance))
+                triplets[class_id, keep] = triplets.get((class_id, keep), 0) + count
+        moved: dict[tuple[int, int], int] = {}
+        for pair, frames in self.apart.items():
+            a, b = sorted(keep if o == gone else o for o in pair)
+            if a != b:
+                moved[a, b] = moved.get((a, b), 0) + frames
+        self.apart = moved
+
+
+def _groups(condition: str) -> Int[np.ndarray, " classes"]:
+    """Group of each class; 0 for background."""
+    if condition == "class":
+        return np.arange(len(classes()))
+    names = [info.match_group for info in classes()]
+    return np.array([0] + [1 + names.index(name) for name in names[1:]])
