@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import tomllib
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from .errors import SettingError
 
@@ -50,7 +50,7 @@ def _check_field(owner: str, field: dataclasses.Field, value: Any) -> None:
     name = f"{owner}.{field.name}"
     if choices and value not in choices:
         raise SettingError(f"{name} = {value!r}", f"use one of: {', '.join(choices)}")
-    if low is not None and not value >= low or high is not None and not value <= high:
+    if (low is not None and not value >= low) or (high is not None and not value <= high):
         unit = field.metadata["unit"]
         raise SettingError(
             f"{name} = {value!r} {unit} is out of bounds",
@@ -76,7 +76,9 @@ class InputSettings(_Checked):
 class SegmentationSettings(_Checked):
     """Per-frame segmentation: depth segments, and their fusion with masks."""
 
-    normal_window: int = setting(13, "side of the window of a normal", unit="px", low=3, static=True)
+    normal_window: int = setting(
+        13, "side of the window of a normal", unit="px", low=3, static=True
+    )
     normal_depth_ratio: float = setting(
         0.05, "neighbours within this share of the depth count towards a normal", low=0.0, high=1.0
     )
@@ -85,16 +87,25 @@ class SegmentationSettings(_Checked):
         0.01, "depth step, as a share of the depth, that makes an edge", low=0.0, high=1.0
     )
     convexity_window: int = setting(5, "side of the window", unit="px", low=3, static=True)
-    convexity_mask_m: float = setting(-0.0005, "point-to-plane distance below which it is concave", unit="m")
-    convexity_threshold: float = setting(0.97, "cosine between normals that keeps pixels together", low=-1.0, high=1.0)
-    edge_join_window: int = setting(9, "side of the window in which edge pixels join a segment", unit="px", low=1)
+    convexity_mask_m: float = setting(
+        -0.0005, "point-to-plane distance below which it is concave", unit="m"
+    )
+    convexity_threshold: float = setting(
+        0.97, "cosine between normals that keeps pixels together", low=-1.0, high=1.0
+    )
+    edge_join_window: int = setting(
+        9, "side of the window in which edge pixels join a segment", unit="px", low=1
+    )
     edge_join_distance_m: float = setting(0.05, "and the distance", unit="m", low=0.0)
     min_seed_px: int = setting(
         50, "smaller specks between edges are treated as edges", unit="px", low=0
     )
     min_segment_px: int = setting(500, "smaller depth segments are dropped", unit="px", low=0)
     mask_in_segment_ratio: float = setting(
-        0.9, "an instance with this share of its mask in one segment may be cut out of it", low=0.0, high=1.0
+        0.9,
+        "an instance with this share of its mask in one segment may be cut out of it",
+        low=0.0,
+        high=1.0,
     )
     cut_out_ratio: float = setting(
         0.5, "and is, if it covers less than this share of the segment", low=0.0, high=1.0
@@ -108,9 +119,14 @@ class SegmentationSettings(_Checked):
     split_mask_ratio: float = setting(
         0.5, "... only if this share of the mask lies in the segment", low=0.0, high=1.0
     )
-    min_piece_px: int = setting(100, "smaller pieces are not cut out of a segment", unit="px", low=0)
+    min_piece_px: int = setting(
+        100, "smaller pieces are not cut out of a segment", unit="px", low=0
+    )
     cluster_distance_m: float = setting(
-        0.05, "pieces of an instance farther apart are separate clusters; all but the largest go", unit="m", low=0.0
+        0.05,
+        "pieces of an instance farther apart are separate clusters; all but the largest go",
+        unit="m",
+        low=0.0,
     )
     min_score: float = setting(0.4, "masks with a lower score are ignored", low=0.0, high=1.0)
 
@@ -120,12 +136,18 @@ class MappingSettings(_Checked):
     """Voxel fusion and label fusion."""
 
     fusion: str = setting(
-        "panoptic", "label fusion: the paper's, or the baseline's pair counts", choices=("panoptic", "voxblox++")
+        "panoptic",
+        "label fusion: the paper's, or the baseline's pair counts",
+        choices=("panoptic", "voxblox++"),
     )
-    voxel_size_m: float = setting(0.02, "side of a voxel", unit="m", low=0.002, high=0.2)
-    truncation_voxels: float = setting(4.0, "truncation distance", unit="voxels", low=1.0, high=20.0)
+    voxel_size_m: float = setting(0.01, "side of a voxel", unit="m", low=0.002, high=0.2)
+    truncation_voxels: float = setting(
+        4.0, "truncation distance", unit="voxels", low=1.0, high=20.0
+    )
     max_weight: float = setting(1e4, "cap of a voxel's TSDF weight", low=1.0)
-    block_capacity: int = setting(16384, "blocks of 8^3 voxels to start with; doubles when full", low=64, static=True)
+    block_capacity: int = setting(
+        16384, "blocks of 8^3 voxels to start with; doubles when full", low=64, static=True
+    )
     max_blocks: int = setting(262144, "bound of the capacity", low=64)
     label_slots: int = setting(3, "label counts kept a voxel", low=1, high=8, static=True)
     label_band_voxels: float = setting(
@@ -136,13 +158,16 @@ class MappingSettings(_Checked):
     share_labels: bool = setting(
         True, "segments of one instance in a frame may take one map label (paper: not)"
     )
-    merge_overlap_ratio: float = setting(0.2, "shared voxels at which two segments merge", low=0.0, high=1.0)
+    merge_overlap_ratio: float = setting(
+        0.2, "shared voxels at which two segments merge", low=0.0, high=1.0
+    )
     merge_min_frames: int = setting(3, "and the frames in which they did", low=1)
     instance_count_ratio: float = setting(
         0.1, "a label is part of an instance if its count exceeds this share of the rest", low=0.0
     )
     instance_condition: str = setting(
-        "group", "classes that one instance may have: those of a match group, or (paper) one",
+        "group",
+        "classes that one instance may have: those of a match group, or (paper) one",
         choices=("group", "class"),
     )
     instance_min_frames: int = setting(
@@ -156,7 +181,10 @@ class MappingSettings(_Checked):
     checkpoint_every: int = setting(50, "frames between checkpoints; 0 = none", low=0)
     mesh_min_weight: float = setting(1e-4, "voxels with less are unobserved", low=0.0)
     mesh_max_jump_voxels: float = setting(
-        6.0, "no surface where distances in a cell differ more (silhouettes)", unit="voxels", low=1.0
+        6.0,
+        "no surface where distances in a cell differ more (silhouettes)",
+        unit="voxels",
+        low=1.0,
     )
 
 
@@ -164,8 +192,10 @@ class MappingSettings(_Checked):
 class EntitySettings(_Checked):
     """Map to entities: meshes, boxes, planes, layout."""
 
-    min_vertices: int = setting(100, "instances with fewer mesh vertices are dropped", low=3)
-    box_trim: float = setting(0.005, "share of vertices an end that may stick out of the box", low=0.0, high=0.2)
+    min_vertices: int = setting(60, "instances with fewer mesh vertices are dropped", low=3)
+    box_trim: float = setting(
+        0.005, "share of vertices an end that may stick out of the box", low=0.0, high=0.2
+    )
     piece_link_m: float = setting(
         0.1, "pieces of a mesh nearer than this are one", unit="m", low=0.01
     )
@@ -177,9 +207,16 @@ class EntitySettings(_Checked):
     )
     plane_threshold_m: float = setting(0.03, "RANSAC inlier distance, at most", unit="m", low=0.0)
     plane_iterations: int = setting(200, "RANSAC draws a plane", low=1, static=True)
-    plane_min_ratio: float = setting(0.1, "a plane holds at least this share of the vertices", low=0.0, high=1.0)
+    plane_min_ratio: float = setting(
+        0.1, "a plane holds at least this share of the vertices", low=0.0, high=1.0
+    )
     max_planes: int = setting(8, "planes an entity", low=1, high=10, static=True)
-    layout_min_area_m2: float = setting(0.5, "smaller layout planes are dropped", unit="m^2", low=0.0)
+    wall_min_top_m: float = setting(
+        1.2, "upright planes of the wall class that end lower are no walls", unit="m", low=0.0
+    )
+    layout_min_area_m2: float = setting(
+        0.5, "smaller layout planes are dropped", unit="m^2", low=0.0
+    )
     seed: int = setting(0, "seed of the RANSAC draws", low=0)
 
 
@@ -188,28 +225,48 @@ class ContactGraphSettings(_Checked):
     """Supports and proximal pairs."""
 
     up_cosine: float = setting(0.9, "a supporting plane has n . g <= -this", low=0.0, high=1.0)
-    min_contact: float = setting(0.5, "contact area ratio A of a stable support (b_th)", low=0.0, high=1.0)
-    near_voxels: float = setting(2.0, "vertices so near a plane count as on it", unit="voxels", low=0.0)
-    rim_voxels: float = setting(
-        2.0, "and those so far around the child's bottom as below it, where it hides them", unit="voxels", low=0.0
+    min_contact: float = setting(
+        0.5, "contact area ratio A of a stable support (b_th)", low=0.0, high=1.0
     )
-    min_score: float = setting(0.1, "least S of a support; bounds how far a hidden foot may hover", low=0.0, high=1.0)
+    near_voxels: float = setting(
+        2.0, "vertices so near a plane count as on it", unit="voxels", low=0.0
+    )
+    rim_voxels: float = setting(
+        2.0,
+        "and those so far around the child's bottom as below it, where it hides them",
+        unit="voxels",
+        low=0.0,
+    )
+    min_score: float = setting(
+        0.1, "least S of a support; bounds how far a hidden foot may hover", low=0.0, high=1.0
+    )
     max_gap_m: float = setting(
-        0.3, "a thing may hover so far above another; what stands on layout may hover farther", unit="m", low=0.0
+        0.3,
+        "a thing may hover so far above another; what stands on layout may hover farther",
+        unit="m",
+        low=0.0,
     )
     max_gap_mounted_m: float = setting(
         0.04, "the same for classes that hang on walls: they hover for good", unit="m", low=0.0
     )
     max_sink_m: float = setting(
-        0.1, "a thing's bottom may lie so far below a plane of another that carries it", unit="m", low=0.0
+        0.1,
+        "a thing's bottom may lie so far below a plane of another that carries it",
+        unit="m",
+        low=0.0,
     )
     layout_whole_polygon: bool = setting(
         True, "layout carries with its whole polygon, since it is rarely seen under furniture"
     )
     layout_margin_m: float = setting(
-        1.0, "and with so much more on every side, since it is not seen behind it either", unit="m", low=0.0
+        1.0,
+        "and with so much more on every side, since it is not seen behind it either",
+        unit="m",
+        low=0.0,
     )
-    attach_distance_m: float = setting(0.1, "gap to a wall at which a thing hangs on it", unit="m", low=0.0)
+    attach_distance_m: float = setting(
+        0.1, "gap to a wall at which a thing hangs on it", unit="m", low=0.0
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -218,8 +275,12 @@ class MatchingSettings(_Checked):
 
     weight_size: float = setting(1.0, "of d_s", low=0.0)
     weight_planes: float = setting(1.0, "of d_pi", low=0.0)
-    weight_upright: float = setting(0.2, "of d_b", low=0.0)
-    unmatched_cost: float = setting(1.0, "of an entity's plane without partner; inf rejects", low=0.0)
+    weight_upright: float = setting(
+        1.0, "of d_b; the paper's 0.2 put half-seen chairs on their heads", low=0.0
+    )
+    unmatched_cost: float = setting(
+        1.0, "of an entity's plane without partner; inf rejects", low=0.0
+    )
     merge_symmetric: bool = setting(
         True, "rotations that a model's symmetry makes equal take one place of the shortlist"
     )
@@ -236,10 +297,12 @@ class AlignmentSettings(_Checked):
     weight_footprint: float = setting(0.5, "of the footprint inside the entity's box, 1/m", low=0.0)
     weight_height: float = setting(2.0, "of equal height, 1/m", low=0.0)
     normal_residual: str = setting(
-        "vector", "n - n' (7 steps measured), or the paper's 1 - n . n' (317)", choices=("vector", "paper")
+        "vector",
+        "n - n' (7 steps measured), or the paper's 1 - n . n' (317)",
+        choices=("vector", "paper"),
     )
-    scale_min: float = setting(0.5, "lower bound of alpha", low=0.01, high=1.0)
-    scale_max: float = setting(2.0, "upper bound of alpha", low=1.0, high=100.0)
+    scale_min: float = setting(0.6, "lower bound of alpha", low=0.01, high=1.0)
+    scale_max: float = setting(1.6, "upper bound of alpha", low=1.0, high=100.0)
     prior_weight: float = setting(0.05, "of the start; keeps the system regular", low=0.0)
     max_steps: int = setting(64, "LM steps", low=1, static=True)
     tolerance: float = setting(1e-5, "relative and absolute", low=0.0)
@@ -250,18 +313,24 @@ class AlignmentSettings(_Checked):
 class PhysicalCheckSettings(_Checked):
     """Which candidates stand together."""
 
-    min_contact: float = setting(0.5, "a candidate's plane must carry each child with this A", low=0.0, high=1.0)
+    min_contact: float = setting(
+        0.5, "a candidate's plane must carry each child with this A", low=0.0, high=1.0
+    )
     penetration_tolerance_m: float = setting(0.005, "deeper overlaps conflict", unit="m", low=0.0)
     scan_tolerance_m: float = setting(
         0.03, "a kept scan, noisy as it is, may reach so far into a model", unit="m", low=0.0
     )
     layout_tolerance_m: float = setting(
-        0.15, "a candidate that sinks less into a wall is moved out of it; others are dropped",
-        unit="m", low=0.0,
+        0.15,
+        "a candidate that sinks less into a wall is moved out of it; others are dropped",
+        unit="m",
+        low=0.0,
     )
     child_height_tolerance_m: float = setting(
-        0.1, "a plane carries a child whose bottom is so near; the child then moves onto it",
-        unit="m", low=0.0,
+        0.1,
+        "a plane carries a child whose bottom is so near; the child then moves onto it",
+        unit="m",
+        low=0.0,
     )
     max_nudge_m: float = setting(
         0.05, "farthest that a model is moved sideways out of another; 0 = never", unit="m", low=0.0
@@ -269,7 +338,9 @@ class PhysicalCheckSettings(_Checked):
     clearance_m: float = setting(
         0.0002, "gap left below what stands and beside what was moved", unit="m", low=0.0, high=0.01
     )
-    max_alignment_error_m: float = setting(0.15, "a candidate with a larger AE is dropped", unit="m", low=0.0)
+    max_alignment_error_m: float = setting(
+        0.15, "a candidate with a larger AE is dropped", unit="m", low=0.0
+    )
     max_rounds: int = setting(200, "min-conflicts rounds", low=1)
     seed: int = setting(0, "seed of the min-conflicts draws", low=0)
 
@@ -308,14 +379,22 @@ class NoiseModel(_Checked):
     """A structured-light depth camera (`synthetic.sensor_depth` has the equations)."""
 
     axial_m: float = setting(0.0012, "axial sigma at 0.4 m", unit="m", low=0.0)
-    axial_growth_per_m: float = setting(0.0019, "times (z - 0.4)^2, added to it", unit="1/m", low=0.0)
-    grazing_m: float = setting(1e-4, "times theta^2 / (pi/2 - theta)^2 / sqrt(z), added to it", unit="m", low=0.0)
+    axial_growth_per_m: float = setting(
+        0.0019, "times (z - 0.4)^2, added to it", unit="1/m", low=0.0
+    )
+    grazing_m: float = setting(
+        1e-4, "times theta^2 / (pi/2 - theta)^2 / sqrt(z), added to it", unit="m", low=0.0
+    )
     lateral_px: float = setting(0.8, "sigma of the jitter of depth edges", unit="px", low=0.0)
-    baseline_m: float = setting(0.075, "between projector and camera; 0 = no quantisation", unit="m", low=0.0)
+    baseline_m: float = setting(
+        0.075, "between projector and camera; 0 = no quantisation", unit="m", low=0.0
+    )
     disparity_step_px: float = setting(0.125, "quantum of the disparity", unit="px", low=0.0)
     edge_dropout: float = setting(0.4, "share of pixels lost at depth edges", low=0.0, high=1.0)
     dropout: float = setting(0.002, "share of pixels lost anywhere", low=0.0, high=1.0)
-    grazing_limit: float = setting(1.40, "surfaces seen flatter than this return nothing", unit="rad", low=0.0)
+    grazing_limit: float = setting(
+        1.40, "surfaces seen flatter than this return nothing", unit="rad", low=0.0
+    )
     range_min_m: float = setting(0.4, "nearer surfaces return nothing", unit="m", low=0.0)
     range_max_m: float = setting(4.5, "farther surfaces return nothing", unit="m", low=0.1)
 
@@ -340,10 +419,18 @@ class Settings:
 _PAPER = Settings(
     preset="paper",
     mapping=MappingSettings(
-        voxel_size_m=0.01, label_band_voxels=4.0, carve=False, share_labels=False, instance_condition="class",
-        instance_merge_min=10, instance_min_frames=1, regulate_classes=False, mesh_max_jump_voxels=20.0,
+        label_band_voxels=4.0,
+        carve=False,
+        share_labels=False,
+        instance_condition="class",
+        instance_merge_min=10,
+        instance_min_frames=1,
+        regulate_classes=False,
+        mesh_max_jump_voxels=20.0,
     ),
-    entities=EntitySettings(box_trim=0.0, box_normal_weight=0.0, piece_min_ratio=0.0),
+    entities=EntitySettings(
+        wall_min_top_m=0.0, box_trim=0.0, box_normal_weight=0.0, piece_min_ratio=0.0
+    ),
     contact_graph=ContactGraphSettings(
         rim_voxels=1.0,
         min_score=0.2,
@@ -353,13 +440,26 @@ _PAPER = Settings(
         layout_whole_polygon=False,
         layout_margin_m=0.0,
     ),
-    matching=MatchingSettings(unmatched_cost=float("inf"), merge_symmetric=False),
-    alignment=AlignmentSettings(normal_residual="paper", max_steps=512),
+    matching=MatchingSettings(
+        weight_upright=0.2, unmatched_cost=float("inf"), merge_symmetric=False
+    ),
+    alignment=AlignmentSettings(
+        normal_residual="paper", scale_min=0.5, scale_max=2.0, prior_weight=0.01, max_steps=512
+    ),
+    physical_check=PhysicalCheckSettings(max_nudge_m=0.0, child_height_tolerance_m=10.0),
 )
 PRESETS: dict[str, Settings] = {
     "default": Settings(),
     "paper": _PAPER,
-    "voxblox++": Settings(preset="voxblox++", mapping=MappingSettings(fusion="voxblox++")),
+    "voxblox++": Settings(
+        preset="voxblox++",
+        mapping=MappingSettings(
+            fusion="voxblox++",
+            label_band_voxels=4.0,
+            carve=False,
+            instance_min_frames=1,
+        ),
+    ),
 }
 """``paper``: the paper's numbers, its gaps filled as its released code fills them.
 ``voxblox++``: the mapping baseline: masks label depth segments, pair counts, no regulation."""
@@ -383,7 +483,8 @@ def with_overrides(settings: Settings, overrides: list[str]) -> Settings:
         section, dot, name = path.strip().partition(".")
         if not equals or not dot:
             raise SettingError(
-                f"{override!r} is not a setting", "write it as section.name=value: mapping.voxel_size_m=0.01"
+                f"{override!r} is not a setting",
+                "write it as section.name=value: mapping.voxel_size_m=0.01",
             )
         settings = _with_value(settings, section, name, text.strip())
     return settings
@@ -392,11 +493,15 @@ def with_overrides(settings: Settings, overrides: list[str]) -> Settings:
 def _with_value(settings: Settings, section: str, name: str, text: str) -> Settings:
     sections = {f.name for f in dataclasses.fields(settings)} - {"preset"}
     if section not in sections:
-        raise SettingError(f"unknown section {section!r}", f"use one of: {', '.join(sorted(sections))}")
+        raise SettingError(
+            f"unknown section {section!r}", f"use one of: {', '.join(sorted(sections))}"
+        )
     stage = getattr(settings, section)
     fields = {f.name: f for f in dataclasses.fields(stage)}
     if name not in fields:
-        raise SettingError(f"unknown setting {section}.{name}", f"use one of: {', '.join(sorted(fields))}")
+        raise SettingError(
+            f"unknown setting {section}.{name}", f"use one of: {', '.join(sorted(fields))}"
+        )
     value = _parse(text, type(getattr(stage, name)), f"{section}.{name}")
     return dataclasses.replace(settings, **{section: dataclasses.replace(stage, **{name: value})})
 
@@ -441,7 +546,9 @@ def settings_from_toml(path: Path) -> Settings:
     settings = preset(str(data.pop("preset", "default")))
     for section, values in data.items():
         if not isinstance(values, dict):
-            raise SettingError(f"{path}: {section} stands outside a section", "put it below its [section]")
+            raise SettingError(
+                f"{path}: {section} stands outside a section", "put it below its [section]"
+            )
         for name, value in values.items():
             text = str(value).lower() if isinstance(value, bool) else str(value)
             settings = _with_value(settings, section, name, text)

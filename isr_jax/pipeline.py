@@ -10,8 +10,18 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from . import alignment, contact_graph, entities, export, mapping, matching
-from . import datasets, physical_check, segmentation, stability
+from . import (
+    alignment,
+    contact_graph,
+    datasets,
+    entities,
+    export,
+    mapping,
+    matching,
+    physical_check,
+    segmentation,
+    stability,
+)
 from .cad import default_library, load_library
 from .cad_types import CadLibrary
 from .config import Settings, preset, settings_to_dict, settings_to_toml
@@ -202,9 +212,7 @@ def fuse(
     return MappingResult(mapper.surface(), used, tuple(skipped))
 
 
-def _segment(
-    frame: Frame, segmenter: segmentation.Segmenter, settings: Settings
-) -> FrameSegments:
+def _segment(frame: Frame, segmenter: segmentation.Segmenter, settings: Settings) -> FrameSegments:
     return segmentation.segment_frame(
         frame,
         segmenter(frame),
@@ -231,9 +239,7 @@ def _resume(
     return mapper, state["done"], list(state["skipped"])
 
 
-def _refuse_too_many(
-    skipped: list[str], total: int, settings: Settings, last: FrameError
-) -> None:
+def _refuse_too_many(skipped: list[str], total: int, settings: Settings, last: FrameError) -> None:
     if len(skipped) > settings.input.max_bad_fraction * total:
         raise SequenceError(
             f"{len(skipped)} of {total} frames cannot be read; the last: {last.problem}",
@@ -320,12 +326,23 @@ def finish(scene: Scene, out_dir: Path, reporter: Reporter, started: float) -> R
     """Write the scene, settle it in MuJoCo, keep the verdict beside it."""
     reporter.stage("export", False)
     scene_file = scene.save(out_dir)
+    _draw(scene, out_dir)
     reporter.stage("stability", False)
     report = stability.settle(out_dir / "scene.xml", scene.settings.stability)
     report.write(out_dir / "stability.json")
     seconds = time.perf_counter() - started
     LOGGER.info("finished in %.1f s: %s", seconds, out_dir)
     return RunResult(scene, scene_file, report, out_dir, seconds)
+
+
+def _draw(scene: Scene, out_dir: Path) -> None:
+    """Pictures of the scene, and of the map coloured by instance."""
+    drawing.draw_scene(out_dir / "scene.xml", out_dir / "scene.png")
+    if scene.mapping is not None:
+        surface = scene.mapping.surface
+        colors = drawing.instance_colors(surface.instance)
+        painted = dataclasses.replace(surface.mesh, colors=colors)
+        drawing.draw_mesh(painted, out_dir / "map" / "panoptic.png")
 
 
 def versions() -> dict[str, str]:

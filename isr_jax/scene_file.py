@@ -106,7 +106,9 @@ def scene_from_stages(
     )
     proximal = tuple(
         (entities[a].name, entities[b].name, depth)
-        for (a, b), depth in zip(graph.proximal.tolist(), graph.proximal_depth_m.tolist(), strict=True)
+        for (a, b), depth in zip(
+            graph.proximal.tolist(), graph.proximal_depth_m.tolist(), strict=True
+        )
     )
     return SceneFile(records, entities.T_world_dataset, proximal, **rest)
 
@@ -184,7 +186,9 @@ def read_scene(path: Path) -> SceneFile:
     try:
         data = json.loads(path.read_text("utf-8"))
     except OSError as error:
-        raise SceneError(f"{path}: {error.strerror}", "give a folder that `isr run` wrote") from None
+        raise SceneError(
+            f"{path}: {error.strerror}", "give a folder that `isr run` wrote"
+        ) from None
     except ValueError as error:
         raise SceneError(f"{path} is not JSON: {error}", "write it again with `isr run`") from None
     _validate(data, path)

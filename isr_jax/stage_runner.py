@@ -94,9 +94,7 @@ class StageRunner:
             )
         return stored
 
-    def checkpoint(
-        self, stage: str, save: Callable[[Path], None], state: dict[str, Any]
-    ) -> None:
+    def checkpoint(self, stage: str, save: Callable[[Path], None], state: dict[str, Any]) -> None:
         """Keep an unfinished stage: ``save`` writes the file, ``state`` is small and plain.
 
         The state names its file and replaces the older state in one step, so that a run killed in

@@ -329,7 +329,7 @@ def test_relabel_adds_up_slots_that_become_one():
         return jnp.full((64, 512), (count << LABEL_BITS) | label, jnp.uint32)
 
     table = np.array([0, 1, 1, 3], np.uint32)
-    out = label_slots.relabel((slot(3, 9), slot(1, 6), slot(2, 5)), table)
+    out = label_slots.relabel((slot(3, 9), slot(1, 6), slot(2, 5)), table, np.int32(60))
     assert int(out[0][0, 0]) == (11 << LABEL_BITS) | 1
     assert int(out[1][0, 0]) == (9 << LABEL_BITS) | 3
     assert int(out[2][0, 0]) & ~LABEL_MASK == 0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 
@@ -29,7 +31,12 @@ def chain(root, *, start_from=None, entity_setting=1, map_setting=1):
     recorder = Recorder()
     runner = StageRunner(StageStore(root), recorder, start_from)
     mapped = runner.run(
-        "mapping", 1, {"v": map_setting}, {"frames": "a"}, tuple, lambda: (np.arange(3) * map_setting,)
+        "mapping",
+        1,
+        {"v": map_setting},
+        {"frames": "a"},
+        tuple,
+        lambda: (np.arange(3) * map_setting,),
     )
     found = runner.run(
         "entities", 1, {"v": entity_setting}, {"map": mapped}, tuple,
@@ -96,7 +103,9 @@ def count_to_ten(root, die_at=None, key="a"):
             total += done
             steps.append(done)
             if done % 2 == 0:
-                runner.checkpoint("mapping", lambda p: np.savez(p, total=total), {"done": done})
+                runner.checkpoint(
+                    "mapping", functools.partial(np.savez, total=total), {"done": done}
+                )
         return (np.array(total),)
 
     result = runner.run("mapping", 1, {}, {"frames": key}, tuple, compute)

@@ -50,7 +50,9 @@ def stage_violations(source: str, module: str) -> list[str]:
     room = module.split(".")[1] if "." in module else "__init__"
     if room in COMPOSERS:
         return []
-    imported = {m.split(".")[1] for m in imported_modules(source, module) if m.startswith("isr_jax.")}
+    imported = {
+        m.split(".")[1] for m in imported_modules(source, module) if m.startswith("isr_jax.")
+    }
     return sorted((imported & STAGES) - {room})
 
 
@@ -109,8 +111,17 @@ def test_every_stage_has_a_version_and_public_names():
 def test_the_border_rule_catches_a_border_library_in_a_kernel(library):
     """Ruff's TID251, as configured, on a kernel module that breaks it."""
     run = subprocess.run(
-        [sys.executable, "-m", "ruff", "check", "--select", "TID251", "--stdin-filename",
-         "isr_jax/geometry/boxes.py", "-"],  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "ruff",
+            "check",
+            "--select",
+            "TID251",
+            "--stdin-filename",
+            "isr_jax/geometry/boxes.py",
+            "-",
+        ],
         input=f"import {library}\n",
         cwd=REPOSITORY,
         capture_output=True,

@@ -92,6 +92,13 @@ def fallback_floor(surface: PanopticSurface, id: int, settings: EntitySettings) 
     return Entity(id, "floor", "floor", _slab(planes), planes, mesh, True)
 
 
+def _is_wall(mesh: Mesh, plane: FoundPlane, areas: np.ndarray, settings: EntitySettings) -> bool:
+    """Large enough and tall enough: what ends at the height of a worktop is furniture's front."""
+    top_m = float(np.percentile(mesh.vertices[plane.inside, 2], 98))
+    large = areas[plane.inside].sum() >= settings.layout_min_area_m2
+    return bool(large and top_m >= settings.wall_min_top_m)
+
+
 def walls(
     surface: PanopticSurface, mesh: Mesh, id: int, free_id: int, settings: EntitySettings
 ) -> list[Entity]:
@@ -115,7 +122,7 @@ def walls(
         usable=usable,
     )
     found = merge_coplanar(mesh, [_upright(mesh, f) for f in found])
-    found = [f for f in found if areas[f.inside].sum() >= settings.layout_min_area_m2]
+    found = [f for f in found if _is_wall(mesh, f, areas, settings)]
     found.sort(key=lambda f: -areas[f.inside].sum())
     margin_m = 2 * surface.voxel_size_m
     out = []

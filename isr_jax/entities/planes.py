@@ -12,7 +12,7 @@ from ..types import Mesh, PlaneSet
 from .ransac import peel_planes
 from .rectangles import rectangle_corners, robust_rectangle, trimmed_range
 
-MAX_POINTS = 4096
+MAX_POINTS = 2048
 """Points that RANSAC sees; more are thinned evenly."""
 _FEW_POINTS = 512
 """Small meshes go in a smaller bucket; two buckets in all, so little is compiled."""

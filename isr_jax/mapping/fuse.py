@@ -31,6 +31,8 @@ CHUNK_BLOCKS = 512
 """Blocks a step: 0.25 M voxels, best at 2 cm and near the best at 1 cm."""
 NEAR_M = 0.05
 """Voxels nearer to the camera plane are not updated."""
+_FAR = 1 << 30
+"""Farther than any block."""
 NO_VOTE = LABEL_MASK
 """Label of a hit outside the voting band."""
 
@@ -95,26 +97,25 @@ def mark_blocks(
         window held them all.
     """
     depth = depth_m[::stride, ::stride]
-    rows = jnp.arange(0, depth_m.shape[0], stride, dtype=jnp.float32)
-    columns = jnp.arange(0, depth_m.shape[1], stride, dtype=jnp.float32)
-    x = jnp.broadcast_to((columns - camera.cx) / camera.fx, depth.shape)
-    y = jnp.broadcast_to(((rows - camera.cy) / camera.fy)[:, None], depth.shape)
-    ray = jnp.stack([x, y, jnp.ones_like(x)], -1).reshape(-1, 3)
-    away = ray / jnp.linalg.norm(ray, axis=-1, keepdims=True)
-    spread = jnp.linspace(-1.0, 1.0, samples) * scale.truncation_m
-    points = (ray * depth.reshape(-1, 1))[:, None] + away[:, None] * spread[:, None]
-    world = points.reshape(-1, 3) @ T_world_camera[:3, :3].T + T_world_camera[:3, 3]
-    block = jnp.floor(world / (scale.voxel_m * BLOCK_SIDE)).astype(jnp.int32)
-    seen = jnp.repeat(depth.reshape(-1) > 0, samples)[:, None]
-    far = jnp.iinfo(jnp.int32).max
-    low = jnp.min(jnp.where(seen, block, far), 0)
-    high = jnp.max(jnp.where(seen, block, -far), 0)
-    local = block - origin
-    inside = seen[:, 0] & jnp.all((local >= 0) & (local < extent), -1)
-    flat = (local[:, 0] * extent[1] + local[:, 1]) * extent[2] + local[:, 2]
-    flat = lax.optimization_barrier(jnp.where(inside, flat, size))
+    x = ((jnp.arange(0, depth_m.shape[1], stride) - camera.cx) / camera.fx)[None, :]
+    y = ((jnp.arange(0, depth_m.shape[0], stride) - camera.cy) / camera.fy)[:, None]
+    spread = jnp.linspace(-1.0, 1.0, samples)[:, None, None] * scale.truncation_m
+    z = depth + spread / jnp.sqrt(1.0 + x * x + y * y)
+    seen = jnp.broadcast_to(depth > 0, z.shape)
+    per_m = 1.0 / (scale.voxel_m * BLOCK_SIDE)
+    R, t = T_world_camera[:3, :3], T_world_camera[:3, 3]
+    flat, inside, low, high = 0, seen, [], []
+    for k in range(3):  # an axis at a time: [..., 3] arrays do not vectorise
+        along = R[k, 0] * x + R[k, 1] * y + R[k, 2]
+        block = jnp.floor((z * along + t[k]) * per_m).astype(jnp.int32)
+        low.append(jnp.min(jnp.where(seen, block, _FAR)))
+        high.append(jnp.max(jnp.where(seen, block, -_FAR)))
+        local = block - origin[k]
+        inside = inside & (local >= 0) & (local < extent[k])
+        flat = flat * extent[k] + local
+    flat = lax.optimization_barrier(jnp.where(inside, flat, size)).reshape(-1)
     marks = jnp.zeros(size, bool).at[flat].set(True, mode="drop")
-    return marks, low, high
+    return marks, jnp.stack(low), jnp.stack(high)
 
 
 @jax.jit

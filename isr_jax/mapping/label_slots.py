@@ -11,9 +11,7 @@ from jaxtyping import Int, UInt32
 
 from ..types import Array
 from .fuse import CHUNK_BLOCKS
-from .pool import BLOCK_VOXELS, LABEL_BITS, LABEL_MASK, MAX_COUNT, ROW_MULTIPLE
-
-_RELABEL_VOXELS = ROW_MULTIPLE * BLOCK_VOXELS
+from .pool import LABEL_BITS, LABEL_MASK, MAX_COUNT, ROW_MULTIPLE
 
 
 def count_label(slots, label):
@@ -72,25 +70,37 @@ def count_labels(
 
 @functools.partial(jax.jit, donate_argnames=("labels",))
 def relabel(
-    labels: tuple[UInt32[Array, "capacity 512"], ...], table: UInt32[Array, " labels"]
+    labels: tuple[UInt32[Array, "capacity 512"], ...],
+    table: UInt32[Array, " labels"],
+    used: Int[Array, ""],
 ) -> tuple[UInt32[Array, "capacity 512"], ...]:
-    """Give every label its new number; slots of a voxel that become one label add up."""
+    """Give every label its new number, in the first ``used`` rows of the pool.
 
-    def voxel(slots):
-        renamed = [(s & ~jnp.uint32(LABEL_MASK)) | table[s & LABEL_MASK] for s in slots]
-        for i in range(len(renamed)):
-            for j in range(i + 1, len(renamed)):
-                same = (renamed[i] & LABEL_MASK) == (renamed[j] & LABEL_MASK)
-                same &= renamed[j] > LABEL_MASK
-                total = (renamed[i] >> LABEL_BITS) + (renamed[j] >> LABEL_BITS)
-                summed = jnp.minimum(total, MAX_COUNT) << LABEL_BITS
-                renamed[i] = jnp.where(same, summed | (renamed[i] & LABEL_MASK), renamed[i])
-                renamed[j] = jnp.where(same, 0, renamed[j])
-        return _sorted_by_count(renamed)
+    Slots of a voxel that become one label add up.
+    """
 
-    stacked = [s.reshape(-1, _RELABEL_VOXELS) for s in labels]
-    out = lax.map(lambda rows: tuple(voxel(list(rows))), tuple(stacked))
-    return tuple(o.reshape(s.shape) for o, s in zip(out, labels, strict=True))
+    def step(i, labels):
+        rows = i * ROW_MULTIPLE + jnp.arange(ROW_MULTIPLE)
+        renamed = _renamed([s[rows] for s in labels], table)
+        return tuple(
+            s.at[rows].set(n, mode="drop", unique_indices=True)
+            for s, n in zip(labels, renamed, strict=True)
+        )
+
+    return lax.fori_loop(0, (used + ROW_MULTIPLE - 1) // ROW_MULTIPLE, step, labels)
+
+
+def _renamed(slots, table):
+    """A voxel's slots with new labels, equal ones added up, counts descending."""
+    new = [(s & ~jnp.uint32(LABEL_MASK)) | table[s & LABEL_MASK] for s in slots]
+    for i in range(len(new)):
+        for j in range(i + 1, len(new)):
+            same = (new[i] & LABEL_MASK) == (new[j] & LABEL_MASK)
+            same &= new[j] > LABEL_MASK
+            total = jnp.minimum((new[i] >> LABEL_BITS) + (new[j] >> LABEL_BITS), MAX_COUNT)
+            new[i] = jnp.where(same, (total << LABEL_BITS) | (new[i] & LABEL_MASK), new[i])
+            new[j] = jnp.where(same, 0, new[j])
+    return _sorted_by_count(new)
 
 
 def _sorted_by_count(slots):

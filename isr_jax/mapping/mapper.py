@@ -158,7 +158,9 @@ class PanopticMapper:
         size = _bucket(self.labels.label_count)
         table = np.zeros(size, np.uint32)
         table[: self.labels.label_count] = self.labels.canonical
-        self.pool = self._with_labels(label_slots.relabel(self.pool.labels, table))
+        self.pool = self._with_labels(
+            label_slots.relabel(self.pool.labels, table, np.int32(self.blocks.used))
+        )
         self._rewritten = merged
 
     def map_labels(self) -> tuple[Int[np.ndarray, " labels"], Int[np.ndarray, " labels"]]:

@@ -14,6 +14,8 @@ from .options import Option, observed_support
 from .solids import ScanPoints, Solid, apart, deepest, depth_between
 
 _NUDGES = 10
+_LEVEL = 0.5
+"""Least horizontal share of a direction out: others would lift a thing off its support."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -116,44 +118,52 @@ class Arrangement:
             below += self.scene.graph.children(p).tolist()
         return below
 
-    def nudge(self, fallen: set[int]) -> bool:
-        """Move models sideways out of one another, in place; undone where clashes remain."""
+    def part(self, fallen: set[int]) -> Clash | None:
+        """Move models sideways out of one another, in place; undone, with the clash that stays."""
         before = {i: step.copy() for i, step in self.step.items()}
+        clashes = first = self.clashes(fallen)
         for _ in range(_NUDGES):
-            clashes = self.clashes(fallen)
             if not clashes:
-                return True
+                return None
             if not self._nudge_apart(clashes[0], before):
                 break
+            clashes = self.clashes(fallen)
         self.step = before
-        return False
+        known = {(c.a, c.b): c for c in first}
+        return known.get((clashes[0].a, clashes[0].b), clashes[0]) if clashes else None
 
     def _nudge_apart(self, clash: Clash, before: dict[int, np.ndarray]) -> bool:
+        """Move the less firm of two with all that it carries, or the other where that fails."""
         movers = [i for i in (clash.a, clash.b) if i in self.chosen]
         if len(movers) < 2:
             return False
-        i, other = sorted(movers, key=self._firmness)
+        loose, firm = sorted(movers, key=self.firmness)
+        return self._nudge(loose, firm, before) or self._nudge(firm, loose, before)
+
+    def _nudge(self, i: int, other: int, before: dict[int, np.ndarray]) -> bool:
         depth, direction = deepest(self.solid(i), self.solid(other))
         level = float(np.linalg.norm(direction[:2]))
-        if level < 0.5:
+        if level < _LEVEL:
             return False
         length = depth / level + self.scene.settings.clearance_m
         step = np.append(direction[:2] / level * length, 0.0)
+        far = np.linalg.norm((self.step[i] + step - before[i])[:2])
+        if far > self.scene.settings.max_nudge_m or self._in_a_wall(i, step):
+            return False
         for k in self.subtree(i):
             self.step[k] = self.step[k] + step
-        far = np.linalg.norm((self.step[i] - before[i])[:2]) > self.scene.settings.max_nudge_m
-        return not far and not self._in_a_wall(i)
+        return True
 
-    def _in_a_wall(self, i: int) -> bool:
-        solid, limit = self.chosen[i].solid, self.scene.settings.penetration_tolerance_m
-        for plane in self.scene.walls:
-            # Where it was in a wall already, that was accepted.
-            before, now = (depth_through(s, plane)[0] for s in (solid, solid.moved(self.step[i])))
-            if now > max(before, limit):
-                return True
-        return False
+    def _in_a_wall(self, i: int, step: np.ndarray) -> bool:
+        """Whether a step leads into a wall; where a thing was in one already was accepted."""
+        here, limit = self.solid(i), self.scene.settings.penetration_tolerance_m
+        there = here.moved(step)
+        return any(
+            depth_through(there, plane)[0] > max(depth_through(here, plane)[0], limit)
+            for plane in self.scene.walls
+        )
 
-    def _firmness(self, i: int) -> tuple[bool, float]:
-        """Furniture that stands fixed yields last, then what fits best."""
+    def firmness(self, i: int) -> tuple[bool, float]:
+        """Furniture that stands fixed yields last; of the rest, what fits best."""
         movable = class_named(self.scene.entities[i].class_name).movable
         return not movable, -self.chosen[i].error_m

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-Conflict = Callable[[int, int, int, int], float]
-"""(variable i, option a, variable j, option b) -> depth of their conflict, 0 = none."""
+Depth = Callable[[int, int, int, int], float]
+"""(variable i, option a, variable j, option b) -> depth of their overlap, 0 = none."""
 
 _WALK = 0.1
 """Share of rounds that take any option: min-conflicts alone stays in local minima."""
@@ -16,21 +16,24 @@ _WALK = 0.1
 def min_conflicts(
     errors: Sequence[np.ndarray],
     neighbours: Sequence[Sequence[int]],
-    conflict: Conflict,
+    depth: Depth,
     *,
+    tolerance_m: float,
     max_rounds: int,
     seed: int,
 ) -> list[int]:
     """Choose one option a variable so that as few pairs as possible are in conflict.
 
-    Each round takes a variable in conflict at random and gives it the option with the least
-    (conflicts, total depth, error). The best assignment met is then improved option by option.
-    The same seed gives the same result.
+    Overlaps above the tolerance are conflicts; smaller ones can be moved apart, and such a move
+    adds about its length to the error. Each round takes a variable in conflict at random and gives
+    it the option with the least (conflicts, their depth, error and small overlaps). The best
+    assignment met is then improved option by option. The same seed gives the same result.
 
     Args:
         errors: Alignment errors of each variable's options.
         neighbours: Variables that a variable may be in conflict with (symmetric).
-        conflict: Called for neighbours only.
+        depth: Called for neighbours only; symmetric.
+        tolerance_m: Of overlaps.
         max_rounds: Of the search.
         seed: Of the draws.
     """
@@ -38,12 +41,14 @@ def min_conflicts(
     chosen = [int(np.argmin(e)) for e in errors]
 
     def cost_of(i: int, a: int) -> tuple[int, float, float]:
-        depths = [conflict(i, a, j, chosen[j]) for j in neighbours[i]]
-        return sum(d > 0 for d in depths), float(sum(depths)), float(errors[i][a])
+        depths = [depth(i, a, j, chosen[j]) for j in neighbours[i]]
+        hard = [d for d in depths if d > tolerance_m]
+        return len(hard), float(sum(hard)), float(errors[i][a] + sum(depths) - sum(hard))
 
     def total() -> tuple[float, float, float]:
-        costs = [cost_of(i, chosen[i]) for i in range(len(errors))]
-        return sum(c[0] for c in costs) / 2, sum(c[1] for c in costs) / 2, sum(c[2] for c in costs)
+        costs = np.array([cost_of(i, chosen[i]) for i in range(len(errors))]).reshape(-1, 3)
+        count, hard, error = costs.sum(0).tolist()
+        return count / 2, hard / 2, error
 
     best, best_cost = list(chosen), total()
     for _ in range(max_rounds):

@@ -89,7 +89,7 @@ class _Judge:
         if status not in _USABLE:
             return None, f"alignment: {AlignmentStatus.NAMES[status]}"
         if not error <= settings.max_alignment_error_m:
-            return None, f"AE {error:.2f} m over {settings.max_alignment_error_m:.2f} m"
+            return None, f"AE {error:.3f} m over {settings.max_alignment_error_m:.3f} m"
         position, scale = int(self.shortlist.entity[row]), float(found.scale[row])
         T = np.asarray(found.T_world_cad[row], np.float64).copy()
         T[:3, :3] = _nearest_rotation(T[:3, :3])

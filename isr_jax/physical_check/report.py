@@ -86,7 +86,7 @@ class Report:
             b = search.index(self.arrangement, j)
             best = max(
                 best,
-                (search.scene.entities[j].name, search.conflict(i, a, j, b)),
+                (search.scene.entities[j].name, search.overlap(i, a, j, b)),
                 key=lambda found: found[1],
             )
         return best

@@ -9,6 +9,8 @@ from .min_conflicts import min_conflicts
 from .options import Option
 from .solids import ScanPoints, Solid
 
+_Key = tuple[int, int, int, int]
+
 
 class Search:
     """Rounds of min-conflicts, seating and falling back to scans, until nothing clashes."""
@@ -17,21 +19,18 @@ class Search:
         self.scene, self.options, self.tried = scene, dict(options), options
         self.fallen: dict[int, str] = {}
         """Entities whose scan stays because of a conflict, and that conflict."""
-        self._excess: dict[tuple[int, int, int, int], float] = {}
-        self._known: set[tuple[int, int, int, int]] = set()
+        self._overlap: dict[_Key, float] = {}
+        self._stuck: set[_Key] = set()
 
     def run(self) -> Arrangement:
-        """The final arrangement. Each round learns a conflict or takes an entity out."""
+        """The final arrangement; each round learns a conflict or takes an entity out."""
         while True:
             arrangement = Arrangement(self.scene, self._choose())
-            clashes = arrangement.clashes(set(self.fallen))
-            if not clashes:
+            stuck = arrangement.part(set(self.fallen))
+            if stuck is None:
                 return arrangement
-            if self._learn(arrangement, clashes):
-                continue
-            if self.scene.settings.max_nudge_m > 0 and arrangement.nudge(set(self.fallen)):
-                return arrangement
-            self._give_way(arrangement, clashes[0])
+            if not self._learn(arrangement, stuck):
+                self._give_way(arrangement, stuck)
 
     def _choose(self) -> dict[int, Option]:
         active = [i for i in self.scene.solid_things if i not in self.fallen]
@@ -41,7 +40,8 @@ class Search:
         chosen = min_conflicts(
             errors,
             self._neighbours(active),
-            lambda i, a, j, b: self.conflict(active[i], a, active[j], b),
+            lambda i, a, j, b: self.depth(active[i], a, active[j], b),
+            tolerance_m=self.scene.settings.max_nudge_m,
             max_rounds=self.scene.settings.max_rounds,
             seed=self.scene.settings.seed,
         )
@@ -72,22 +72,27 @@ class Search:
             for i in active
         ]
 
-    def conflict(self, i: int, a: int, j: int, b: int) -> float:
-        """Depth to which option a of i and option b of j overlap too much, 0 where they do not."""
-        key = (i, a, j, b) if i < j else (j, b, i, a)
-        if key not in self._excess:
-            self._excess[key] = self.scene.excess(self._thing(i, a), self._thing(j, b))
-        return self._excess[key]
+    def depth(self, i: int, a: int, j: int, b: int) -> float:
+        """`overlap`, deeper by the longest sideways move where no such move ends it."""
+        depth, key = self.overlap(i, a, j, b), _key(i, a, j, b)
+        scanned = i not in self.tried or j not in self.tried
+        fixed = depth > 0 and (scanned or key in self._stuck)
+        return depth + (self.scene.settings.max_nudge_m if fixed else 0.0)
 
-    def _learn(self, arrangement: Arrangement, clashes: list[Clash]) -> bool:
-        """Keep conflicts that only show once children are seated; False where all are known."""
-        fresh = False
-        for clash in clashes:
-            key = (clash.a, self.index(arrangement, clash.a),
-                   clash.b, self.index(arrangement, clash.b))  # fmt: skip
-            fresh |= key not in self._known
-            self._known.add(key)
-            self._excess[key] = clash.depth_m
+    def overlap(self, i: int, a: int, j: int, b: int) -> float:
+        """Depth to which option a of i and option b of j overlap too much, 0 where they do not."""
+        key = _key(i, a, j, b)
+        if key not in self._overlap:
+            self._overlap[key] = self.scene.excess(self._thing(i, a), self._thing(j, b))
+        return self._overlap[key]
+
+    def _learn(self, arrangement: Arrangement, clash: Clash) -> bool:
+        """Keep a clash that no small move ended; False where it was known."""
+        a, b = self.index(arrangement, clash.a), self.index(arrangement, clash.b)
+        key = _key(clash.a, a, clash.b, b)
+        fresh = key not in self._stuck
+        self._stuck.add(key)
+        self._overlap[key] = clash.depth_m
         return fresh
 
     def index(self, arrangement: Arrangement, i: int) -> int:
@@ -95,11 +100,16 @@ class Search:
         return self.tried[i].index(arrangement.chosen[i]) if i in arrangement.chosen else 0
 
     def _give_way(self, arrangement: Arrangement, clash: Clash) -> None:
+        """The less firm of two keeps its scan: a book does not cost its shelf the model."""
         models = [i for i in (clash.a, clash.b) if i in arrangement.chosen]
-        loser = max(models, key=lambda i: arrangement.chosen[i].error_m)
+        loser = min(models, key=arrangement.firmness)
         winner = clash.b if loser == clash.a else clash.a
         self.fallen[loser] = collision(self.scene.entities[winner].name, clash.depth_m)
         del self.options[loser]
+
+
+def _key(i: int, a: int, j: int, b: int) -> _Key:
+    return (i, a, j, b) if i < j else (j, b, i, a)
 
 
 def collision(name: str, depth_m: float) -> str:

@@ -116,9 +116,7 @@ def _add_boxes(server: Any, scene: SceneFile) -> list[Any]:
 
 def _add_graph(server: Any, scene: SceneFile) -> list[Any]:
     centers = {e.name: np.asarray(e.box.center, np.float32) for e in scene.entities}
-    supports = [
-        (centers[e.parent], centers[e.name]) for e in scene.entities if e.parent in centers
-    ]
+    supports = [(centers[e.parent], centers[e.name]) for e in scene.entities if e.parent in centers]
     proximal = [(centers[a], centers[b]) for a, b, _ in scene.proximal]
     handles = []
     for name, pairs, color in (
