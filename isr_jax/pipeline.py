@@ -14,6 +14,7 @@ from . import (
     alignment,
     contact_graph,
     datasets,
+    drawing,
     entities,
     export,
     mapping,
