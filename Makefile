@@ -9,7 +9,7 @@ BIN := $(VENV)/bin
 OUT ?= out/demo
 UV_VERSION := 0.13.9
 
-.PHONY: demo test slow lint types install cad_db lock bench clean
+.PHONY: demo test slow lint types install cad_db lock clean
 
 demo: install
 	$(BIN)/isr demo --out $(OUT)

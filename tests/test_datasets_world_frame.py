@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from isr_jax.datasets.world_frame import (
     Cloud,
+    degrees_between,
     estimate_gravity,
     find_world_frame,
     level_surfaces,
@@ -107,3 +108,22 @@ def test_no_level_surface_is_an_error():
     )
     with pytest.raises(SequenceError, match="no floor"):
         find_world_frame(cloud, np.array([0, 0, -1.0]))
+
+
+@pytest.mark.parametrize(("off_deg", "corrected"), [(0.3, False), (2.0, True), (12.0, False)])
+def test_a_gravity_a_few_degrees_off_the_floor_is_levelled_by_it(off_deg, corrected):
+    """Below, the estimate is no better; above, one of the two is wrong and the given one stands."""
+    rng = np.random.default_rng(4)
+    points = sheet(rng, 4000, 3.0, 0.0)
+    walls = noisy(rng, (1, 0, 0), 2000, degrees=2.0)
+    normals = np.concatenate([noisy(rng, (0, 0, 1), 4000, degrees=2.0), walls])
+    cloud = Cloud(
+        np.concatenate([points, np.tile([1.5, 0, 1.0], (2000, 1))]),
+        normals,
+        np.tile([0.0, 0.3, -0.95], (10, 1)),
+    )
+    off = np.deg2rad(off_deg)
+    given = np.array([np.sin(off), 0.0, -np.cos(off)])
+    found = find_world_frame(cloud, given).gravity
+    left = degrees_between(found, np.array([0.0, 0.0, -1.0]))
+    assert left < 0.3 if corrected else left == pytest.approx(off_deg, abs=1e-6)

@@ -26,7 +26,13 @@ from .layouts import read_recording
 from .recording import Recording, present
 from .reprojection import convention_errors_m, holding
 from .sequence import color_notes
-from .world_frame import Cloud, WorldFrame, estimate_gravity, find_world_frame
+from .world_frame import (
+    Cloud,
+    WorldFrame,
+    degrees_between,
+    estimate_gravity,
+    find_world_frame,
+)
 
 _GRAVITY_DOUBT_DEG = 5.0
 """Given and estimated gravity differ by 1-2 degrees in good recordings."""
@@ -219,7 +225,7 @@ def _estimated_or_none(cloud: Cloud) -> np.ndarray | None:
 def _angle_deg(given: np.ndarray | None, estimated: np.ndarray | None) -> float | None:
     if given is None or estimated is None:
         return None
-    return float(np.rad2deg(np.arccos(np.clip(given @ estimated, -1, 1))))
+    return degrees_between(given, estimated)
 
 
 def _incomplete(recording: Recording) -> Iterator[str]:

@@ -24,7 +24,7 @@ from .checks import (
 from .images import read_color, register_color, resize_color
 from .layouts import read_recording
 from .recording import RecordedFrame, Recording, present
-from .world_frame import WorldFrame, find_world_frame
+from .world_frame import WorldFrame, degrees_between, find_world_frame
 
 _ASPECT_TOLERANCE = 0.02
 
@@ -132,6 +132,7 @@ def open_sequence(
             *unconfirmed,
             *color_notes(recording, camera),
             *_unusable_note(recording),
+            *_levelled_note(recording, world),
         ),
     )
 
@@ -174,3 +175,10 @@ def _check_aspect(recorded: RecordedFrame, color: np.ndarray, width: int, height
             "these cannot be of one view",
             "register colour to depth first",
         )
+
+
+def _levelled_note(recording: Recording, world: WorldFrame) -> tuple[str, ...]:
+    if recording.gravity is None or np.array_equal(world.gravity, recording.gravity):
+        return ()
+    angle = degrees_between(recording.gravity, world.gravity)
+    return (f"gravity as given is {angle:.1f} degrees off floors and walls: levelled by them",)

@@ -28,6 +28,9 @@ _CELL_M = 0.1
 _MIN_AREA_M2 = 0.3
 _MIN_AREA_SHARE = 0.05
 """And of the largest level surface: keeps reflections below the floor out of large rooms."""
+_LEVELLED_DEG = (0.7, 5.0)
+"""A given gravity this far off what floors and walls say is corrected by them: below, the estimate
+is no better; above, one of the two is wrong, and `isr inspect` says so."""
 _MIN_LEAN = 0.3
 """Mean of the cameras' down directions; shorter, the camera rolled and says nothing."""
 
@@ -98,9 +101,10 @@ def find_world_frame(cloud: Cloud, gravity: Float[np.ndarray, "3"] | None) -> Wo
 
     Args:
         cloud: Points of frames spread over the sequence.
-        gravity: Unit vector, down, dataset frame; None: it is estimated.
+        gravity: Unit vector, down, dataset frame, levelled by floors and walls where it is a few
+            degrees off them (things must stand on the floor that was seen); None: it is estimated.
     """
-    down = estimate_gravity(cloud) if gravity is None else gravity
+    down = estimate_gravity(cloud) if gravity is None else _levelled(cloud, gravity)
     R = smallest_rotation(down, np.array([0.0, 0.0, -1.0]))
     points, up = cloud.points @ R.T, cloud.normals @ R[2]
     heights, areas = level_surfaces(points[up > _LEVEL_COSINE])
@@ -113,6 +117,20 @@ def find_world_frame(cloud: Cloud, gravity: Float[np.ndarray, "3"] | None) -> Wo
     T[:3, :3], T[2, 3] = R, -heights[0]
     levels = tuple((float(h - heights[0]), float(a)) for h, a in zip(heights, areas, strict=True))
     return WorldFrame(T, down, float(areas[0]), levels)
+
+
+def _levelled(cloud: Cloud, gravity: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+    try:
+        estimate = estimate_gravity(cloud)
+    except SequenceError:  # nothing to correct it by
+        return gravity
+    low, high = _LEVELLED_DEG
+    return estimate if low < degrees_between(gravity, estimate) < high else gravity
+
+
+def degrees_between(a: Float[np.ndarray, "3"], b: Float[np.ndarray, "3"]) -> float:
+    """Angle between two unit vectors."""
+    return float(np.rad2deg(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)))
 
 
 def level_surfaces(
