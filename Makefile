@@ -7,6 +7,7 @@ PYTHON ?= $(shell for p in python3.12 python3.13 python3.11 python3 python; do \
 VENV ?= .venv
 BIN := $(VENV)/bin
 OUT ?= out/demo
+JOBS ?= 2
 UV_VERSION := 0.13.9
 
 .PHONY: demo test slow lint types install cad_db lock clean
@@ -15,7 +16,7 @@ demo: install
 	$(BIN)/isr demo --out $(OUT)
 
 test: install
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
 
 slow: install
 	$(BIN)/python -m pytest -m slow

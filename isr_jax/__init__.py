@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from .cad import build_library, default_library, load_library
     from .config import Settings, preset, with_overrides
     from .datasets import inspect_sequence, open_sequence
-    from .demonstration import demo
+    from .demonstration import demo, film_room
     from .errors import IsrError
     from .evaluation import evaluate
     from .pipeline import Scene, furnish, reconstruct, run
@@ -39,6 +39,7 @@ _HOME = {
     "default_library": "cad",
     "demo": "demonstration",
     "evaluate": "evaluation",
+    "film_room": "demonstration",
     "furnish": "pipeline",
     "inspect_sequence": "datasets",
     "load_library": "cad",
@@ -74,6 +75,7 @@ __all__ = [
     "default_library",
     "demo",
     "evaluate",
+    "film_room",
     "furnish",
     "inspect_sequence",
     "load_library",

@@ -37,6 +37,10 @@ class ClassInfo:
     """Of the scan mesh's filled hull, when no CAD gives a mass."""
     match_group: str
     """Classes of one group may match each other's models."""
+    hung_class: str
+    """What such a thing is called where it hangs high on a wall; empty: the same."""
+    min_diagonal_m: float
+    """About 0.4 times the diagonal of a typical instance: what is smaller is a fragment."""
     labels: dict[str, tuple[int, ...]]
     """Ids in foreign label sets, keyed by `LABEL_SETS`."""
 
@@ -44,7 +48,7 @@ class ClassInfo:
 @functools.cache
 def classes() -> tuple[ClassInfo, ...]:
     """All rows, `classes()[i].id == i`."""
-    text = resources.files(__package__).joinpath("classes.csv").read_text("utf-8")
+    text = resources.files("isr_jax").joinpath("classes.csv").read_text("utf-8")
     rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
     return tuple(_parse(i, row) for i, row in enumerate(rows))
 
@@ -60,6 +64,8 @@ def _parse(index: int, row: dict[str, str]) -> ClassInfo:
         mount=row["mount"],
         density_kg_m3=float(row["density_kg_m3"]),
         match_group=row["match_group"] or row["name"],
+        hung_class=row["hung_class"],
+        min_diagonal_m=float(row["min_diagonal_m"]),
         labels={s: tuple(int(v) for v in row[s].split(";") if v) for s in LABEL_SETS},
     )
 

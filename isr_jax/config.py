@@ -202,6 +202,28 @@ class EntitySettings(_Checked):
     piece_min_ratio: float = setting(
         0.2, "other pieces with a smaller share of the largest are dropped", low=0.0, high=1.0
     )
+    drop_fragments: bool = setting(
+        True, "instances smaller than their class's min_diagonal_m are dropped"
+    )
+    min_coverage: float = setting(
+        0.1,
+        "and so are those whose surface is a smaller share of their box's largest side: scattered "
+        "flakes (paper: 0)",
+        low=0.0,
+    )
+    merge_inside_ratio: float = setting(
+        0.8,
+        "an instance with this share of its vertices in the box of a larger one of its class, or "
+        "beside it at this share of its height, is a part of it (paper: never, above 1)",
+        low=0.0,
+        high=2.0,
+    )
+    hung_min_bottom_m: float = setting(
+        1.1,
+        "things of a class with a hung_class take that class from this height (paper: never)",
+        unit="m",
+        low=0.0,
+    )
     box_normal_weight: float = setting(
         0.5, "weight of the faces' normals beside the area in a box's yaw (paper: 0)", low=0.0
     )
@@ -211,6 +233,17 @@ class EntitySettings(_Checked):
         0.1, "a plane holds at least this share of the vertices", low=0.0, high=1.0
     )
     max_planes: int = setting(8, "planes an entity", low=1, high=10, static=True)
+    plane_min_area_m2: float = setting(
+        0.01, "smaller planes are dropped: a cup has none (paper: 0)", unit="m^2", low=0.0
+    )
+    board_min_area_m2: float = setting(
+        0.03,
+        "in what stands fixed, level planes of this area are looked for beyond the largest planes; "
+        "inf = not (paper)",
+        unit="m^2",
+        low=0.0,
+    )
+    max_boards: int = setting(8, "and so many are taken", low=1, high=10, static=True)
     wall_min_top_m: float = setting(
         1.2, "upright planes of the wall class that end lower are no walls", unit="m", low=0.0
     )
@@ -267,6 +300,17 @@ class ContactGraphSettings(_Checked):
     attach_distance_m: float = setting(
         0.1, "gap to a wall at which a thing hangs on it", unit="m", low=0.0
     )
+    attach_distance_mounted_m: float = setting(
+        0.4,
+        "the same for classes that hang on walls, whose backs are not seen (paper: 0.1)",
+        unit="m",
+        low=0.0,
+    )
+    inside_furniture: bool = setting(
+        True,
+        "what nothing carries, in the box of furniture, stands on a board of it that was not "
+        "seen (paper: not)",
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -278,13 +322,23 @@ class MatchingSettings(_Checked):
     weight_upright: float = setting(
         1.0, "of d_b; the paper's 0.2 put half-seen chairs on their heads", low=0.0
     )
+    weight_wall: float = setting(
+        0.2, "of d_w: backs go to the wall, as in the released code (paper: 0)", low=0.0
+    )
+    wall_distance_m: float = setting(0.3, "gap to a wall from which d_w counts", unit="m", low=0.0)
     unmatched_cost: float = setting(
-        1.0, "of an entity's plane without partner; inf rejects", low=0.0
+        0.5, "of an entity's plane without partner; inf rejects (paper)", low=0.0
     )
     merge_symmetric: bool = setting(
         True, "rotations that a model's symmetry makes equal take one place of the shortlist"
     )
     shortlist: int = setting(10, "candidates that go on", low=1, static=True)
+    turned_models: int = setting(
+        4,
+        "so many of their models also go on in the upright turns that are missing (paper: 0)",
+        low=0,
+        static=True,
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -296,6 +350,7 @@ class AlignmentSettings(_Checked):
     weight_offset: float = setting(5.0, "of plane offsets, 1/m", low=0.0)
     weight_footprint: float = setting(0.5, "of the footprint inside the entity's box, 1/m", low=0.0)
     weight_height: float = setting(2.0, "of equal height, 1/m", low=0.0)
+    weight_scale: float = setting(0.5, "of log alpha: models come in true size (paper: 0)", low=0.0)
     normal_residual: str = setting(
         "vector",
         "n - n' (7 steps measured), or the paper's 1 - n . n' (317)",
@@ -307,6 +362,13 @@ class AlignmentSettings(_Checked):
     max_steps: int = setting(64, "LM steps", low=1, static=True)
     tolerance: float = setting(1e-5, "relative and absolute", low=0.0)
     max_points: int = setting(2048, "entity vertices that AE is taken over", low=16, static=True)
+    slide_hidden_m: float = setting(
+        0.05,
+        "a model that sticks out of a half-seen entity's box by more is also tried flush with its "
+        "sides; inf = not (paper)",
+        unit="m",
+        low=0.0,
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -338,8 +400,17 @@ class PhysicalCheckSettings(_Checked):
     clearance_m: float = setting(
         0.0002, "gap left below what stands and beside what was moved", unit="m", low=0.0, high=0.01
     )
+    matching_weight_m: float = setting(
+        0.05,
+        "the choice is by AE + this times D: AE alone ties under flips (paper: 0)",
+        unit="m",
+        low=0.0,
+    )
+    scale_weight_m: float = setting(
+        0.1, "+ this times |log alpha|: models come in true size (paper: 0)", unit="m", low=0.0
+    )
     max_alignment_error_m: float = setting(
-        0.15, "a candidate with a larger AE is dropped", unit="m", low=0.0
+        0.1, "a candidate with a larger AE is dropped", unit="m", low=0.0
     )
     max_rounds: int = setting(200, "min-conflicts rounds", low=1)
     seed: int = setting(0, "seed of the min-conflicts draws", low=0)
@@ -429,7 +500,15 @@ _PAPER = Settings(
         mesh_max_jump_voxels=20.0,
     ),
     entities=EntitySettings(
-        wall_min_top_m=0.0, box_trim=0.0, box_normal_weight=0.0, piece_min_ratio=0.0
+        wall_min_top_m=0.0,
+        box_trim=0.0,
+        box_normal_weight=0.0,
+        piece_min_ratio=0.0,
+        min_coverage=0.0,
+        merge_inside_ratio=2.0,
+        hung_min_bottom_m=float("inf"),
+        plane_min_area_m2=0.0,
+        board_min_area_m2=float("inf"),
     ),
     contact_graph=ContactGraphSettings(
         rim_voxels=1.0,
@@ -439,14 +518,32 @@ _PAPER = Settings(
         max_sink_m=1.0,
         layout_whole_polygon=False,
         layout_margin_m=0.0,
+        attach_distance_mounted_m=0.1,
+        inside_furniture=False,
     ),
     matching=MatchingSettings(
-        weight_upright=0.2, unmatched_cost=float("inf"), merge_symmetric=False
+        weight_upright=0.2,
+        weight_wall=0.0,
+        unmatched_cost=float("inf"),
+        merge_symmetric=False,
+        turned_models=0,
     ),
     alignment=AlignmentSettings(
-        normal_residual="paper", scale_min=0.5, scale_max=2.0, prior_weight=0.01, max_steps=512
+        weight_scale=0.0,
+        slide_hidden_m=float("inf"),
+        normal_residual="paper",
+        scale_min=0.5,
+        scale_max=2.0,
+        prior_weight=0.01,
+        max_steps=512,
     ),
-    physical_check=PhysicalCheckSettings(max_nudge_m=0.0, child_height_tolerance_m=10.0),
+    physical_check=PhysicalCheckSettings(
+        max_alignment_error_m=0.15,
+        max_nudge_m=0.0,
+        child_height_tolerance_m=10.0,
+        matching_weight_m=0.0,
+        scale_weight_m=0.0,
+    ),
 )
 PRESETS: dict[str, Settings] = {
     "default": Settings(),

@@ -1,5 +1,8 @@
 """Border: pictures of scenes and maps by ray casting, without a window or OpenGL (mujoco, cv2)."""
 
+# MuJoCo's compiled names have no stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from pathlib import Path

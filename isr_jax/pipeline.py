@@ -26,8 +26,8 @@ from . import (
 from .cad import default_library, load_library
 from .cad_types import CadLibrary
 from .config import Settings, preset, settings_to_dict, settings_to_toml
-from .errors import FrameError, OutputError, SequenceError
-from .reporter import LOGGER, LogReporter, Reporter
+from .errors import FrameError, IsrError, OutputError, SegmenterError, SequenceError
+from .reporter import LOGGER, Reporter, logged
 from .scene_file import SceneFile
 from .stage_runner import STAGES, StageRunner
 from .store import StageStore
@@ -43,6 +43,8 @@ from .types import (
     Shortlist,
 )
 
+_TRIED_FRAMES = 5
+"""Of the frames that must be good, about so many are tried; the first with masks is enough."""
 _PACKAGES = ("jax", "jaxlib", "equinox", "optimistix", "numpy", "scipy", "trimesh", "mujoco")
 
 
@@ -178,7 +180,13 @@ def furnish(
         "physical_check",
         physical_check.VERSION,
         settings.physical_check,
-        {"entities": found, "graph": graph, "alignments": aligned, "library": models},
+        {
+            "entities": found,
+            "graph": graph,
+            "shortlist": shortlist,
+            "alignments": aligned,
+            "library": models,
+        },
         tuple,
         lambda: physical_check.check(
             found, graph, shortlist, aligned, library, settings.physical_check
@@ -196,6 +204,8 @@ def fuse(
     """Segment every frame and fuse it into one panoptic map; bad frames are skipped and counted."""
     indices = _frame_indices(sequence, settings)
     mapper, start, skipped = _resume(sequence, settings, runner)
+    if start == 0:
+        _try_segmenter(sequence, segmenter, indices, settings)
     for done, (_, frame) in enumerate(datasets.prefetch(sequence, indices[start:]), start + 1):
         try:
             if isinstance(frame, FrameError):
@@ -211,6 +221,26 @@ def fuse(
         runner.reporter.progress("mapping", done, len(indices))
     used = len(indices) - len(skipped)
     return MappingResult(mapper.surface(), used, tuple(skipped))
+
+
+def _try_segmenter(
+    sequence: Sequence, segmenter: segmentation.Segmenter, indices: list[int], settings: Settings
+) -> None:
+    """Stop before the first frame is fused where no sampled frame has masks."""
+    failed, good = None, (1 - settings.input.max_bad_fraction) * len(indices)
+    for index in indices[:: max(1, int(good) // _TRIED_FRAMES)]:
+        try:
+            frame = sequence[index]
+        except FrameError:
+            continue  # it is skipped and counted when its turn comes
+        try:
+            segmenter(frame)
+        except FrameError as error:
+            failed = failed or error
+        else:
+            return
+    if failed is not None:
+        raise SegmenterError(f"no sampled frame has masks: {failed.problem}", failed.hint)
 
 
 def _segment(frame: Frame, segmenter: segmentation.Segmenter, settings: Settings) -> FrameSegments:
@@ -290,7 +320,7 @@ def run(
     started = time.perf_counter()
     settings = settings or preset("default")
     out_dir = Path(out_dir)
-    reporter = reporter or LogReporter()
+    reporter = logged(reporter)
     with _output(out_dir, settings):
         models = load_library(Path(library)) if library else default_library()
         sequence = datasets.open_sequence(Path(sequence_dir), settings.input)
@@ -317,7 +347,7 @@ def run_from_entities(
     """As `run`, from entities that are already known (an annotated scan, a synthetic truth)."""
     started = time.perf_counter()
     settings = settings or preset("default")
-    out_dir, reporter = Path(out_dir), reporter or LogReporter()
+    out_dir, reporter = Path(out_dir), logged(reporter)
     with _output(out_dir, settings):
         runner = StageRunner(StageStore(out_dir / "stages"), reporter)
         return finish(furnish(found, library, settings, runner), out_dir, reporter, started)
@@ -373,7 +403,9 @@ class _output:
 
     def __exit__(self, kind: type | None, error: BaseException | None, _: object) -> None:
         if error is not None:
-            LOGGER.error("stopped: %s", error)
+            foreseen = isinstance(error, IsrError | KeyboardInterrupt)
+            said = str(error) or type(error).__name__
+            LOGGER.error("stopped: %s", said, exc_info=None if foreseen else error)
         LOGGER.removeHandler(self._handler)
         self._handler.close()
 

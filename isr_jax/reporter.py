@@ -36,3 +36,29 @@ class LogReporter:
 
     def note(self, text: str) -> None:
         LOGGER.warning("%s", text)
+
+
+class LoggedReporter:
+    """Passes everything on to a reporter, and to the package's logger."""
+
+    def __init__(self, reporter: Reporter) -> None:
+        self._both = (LogReporter(), reporter)
+
+    def stage(self, name: str, reused: bool) -> None:
+        for reporter in self._both:
+            reporter.stage(name, reused)
+
+    def progress(self, name: str, done: int, total: int) -> None:
+        for reporter in self._both:
+            reporter.progress(name, done, total)
+
+    def note(self, text: str) -> None:
+        for reporter in self._both:
+            reporter.note(text)
+
+
+def logged(reporter: Reporter | None) -> Reporter:
+    """A reporter whose stages and notes are also in the log, so that run.log has them."""
+    if reporter is None or isinstance(reporter, (LogReporter, LoggedReporter)):
+        return reporter or LogReporter()
+    return LoggedReporter(reporter)

@@ -87,7 +87,7 @@ class SceneFile:
 @functools.cache
 def scene_schema() -> dict[str, Any]:
     """The JSON Schema of ``scene.json``."""
-    text = resources.files(__package__).joinpath("schema/scene.schema.json").read_text("utf-8")
+    text = resources.files("isr_jax").joinpath("schema/scene.schema.json").read_text("utf-8")
     return json.loads(text)
 
 

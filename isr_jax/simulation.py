@@ -1,5 +1,8 @@
 """Border: MuJoCo. Load a scene, look for contacts, let it settle, push it, move its joints."""
 
+# MuJoCo's compiled names have no stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import dataclasses
@@ -157,16 +160,20 @@ def perturbed_start(
     return qpos
 
 
+def _at_start(model: mujoco.MjModel) -> mujoco.MjData:
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return data
+
+
 def touches(model: mujoco.MjModel, data: mujoco.MjData | None = None) -> tuple[Touch, ...]:
     """Contacts of a state (by default of the start), one entry a pair of bodies, deepest first.
 
     MuJoCo sees no contact between two bodies that are both fixed to the world.
     """
-    if data is None:
-        data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
+    state = _at_start(model) if data is None else data
     pairs: dict[tuple[int, int], list[float]] = {}
-    for contact in data.contact[: data.ncon]:
+    for contact in state.contact[: state.ncon]:
         a, b = sorted(int(model.geom_bodyid[g]) for g in contact.geom)
         pairs.setdefault((a, b), []).append(-float(contact.dist))
     found = [
@@ -255,8 +262,7 @@ def joint_travel(model: mujoco.MjModel, joint: str, patience_s: float = 4.0) -> 
     towards a point beyond the end, for so long at most: a blocked joint shows a range not reached.
     """
     info = model.joint(joint)
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    data = _at_start(model)
     low, high = (float(v) for v in info.range)
     reached = []
     for end, sign in ((low, -1.0), (high, 1.0)):

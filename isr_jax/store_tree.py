@@ -12,6 +12,7 @@ from typing import Any
 import jax
 import numpy as np
 
+_PACKAGE = "isr_jax."
 _MODULES = ("types", "cad_types", "robot_model.model")
 """Only classes of these modules are ever made from a stored file."""
 
@@ -27,7 +28,7 @@ def _feed(digest: Any, value: Any) -> None:
     if isinstance(value, (jax.Array, np.ndarray, np.generic)):
         array = _little_endian(np.asarray(value))
         digest.update(f"array {array.dtype.str} {array.shape};".encode())
-        digest.update(memoryview(np.atleast_1d(array)).cast("B") if array.size else b"")
+        digest.update(np.atleast_1d(array).data.cast("B") if array.size else b"")
     elif is_record(value):
         fields = dataclasses.fields(value)
         digest.update(f"{_class_name(type(value))} {len(fields)};".encode())
@@ -98,14 +99,14 @@ def decode(node: Any, arrays: Mapping[str, np.ndarray]) -> Any:
 @functools.cache
 def _classes() -> dict[str, type]:
     """Every dataclass that may be stored, by its name within this package."""
-    modules = [importlib.import_module(f".{name}", __package__) for name in _MODULES]
+    modules = [importlib.import_module(_PACKAGE + name) for name in _MODULES]
     found = [v for m in modules for v in vars(m).values() if isinstance(v, type)]
-    own = [c for c in found if dataclasses.is_dataclass(c) and c.__module__.startswith(__package__)]
-    return {f"{c.__module__.removeprefix(__package__ + '.')}.{c.__name__}": c for c in own}
+    own = [c for c in found if dataclasses.is_dataclass(c) and c.__module__.startswith(_PACKAGE)]
+    return {f"{c.__module__.removeprefix(_PACKAGE)}.{c.__name__}": c for c in own}
 
 
 def _class_name(cls: type) -> str:
-    name = f"{cls.__module__.removeprefix(__package__ + '.')}.{cls.__name__}"
+    name = f"{cls.__module__.removeprefix(_PACKAGE)}.{cls.__name__}"
     if name not in _classes():
         raise TypeError(f"{name} is no type that the store knows")
     return name

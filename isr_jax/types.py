@@ -84,14 +84,26 @@ class Frame:
 class Sequence(Protocol):
     """A posed RGB-D sequence: a length, and a frame for an index."""
 
-    name: str
-    source: Path
-    """The folder it came from."""
-    camera: Camera
-    T_world_dataset: np.ndarray
-    """[4, 4]: from the dataset's own frame to the world (z up, floor at 0)."""
-    notes: tuple[str, ...]
-    """What was assumed or changed while opening it, for the user."""
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def source(self) -> Path:
+        """The folder it came from."""
+        ...
+
+    @property
+    def camera(self) -> Camera: ...
+
+    @property
+    def T_world_dataset(self) -> np.ndarray:
+        """[4, 4]: from the dataset's own frame to the world (z up, floor at 0)."""
+        ...
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was assumed or changed while opening it, for the user."""
+        ...
 
     def __len__(self) -> int: ...
 
@@ -177,6 +189,8 @@ class Entity:
     """World frame."""
     is_layout: bool
     """Floor, wall or ceiling: one plane (planes[0]) with its extent, normal into the room."""
+    merged_ids: tuple[int, ...] = ()
+    """Other instances of the map that turned out to be parts of this one."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -204,7 +218,7 @@ class ContactGraph:
     parent: Int[np.ndarray, " entities"]
     """Position of the supporting parent, or `ROOM`, or `UNSUPPORTED`."""
     support_plane: Int[np.ndarray, " entities"]
-    """Plane of the parent that carries the entity; -1 where there is none."""
+    """Plane of the parent that carries the entity; -1 where there is none, or none was seen."""
     score: Float[np.ndarray, " entities"]
     """S of the chosen parent; 0 where there is none."""
     attachment: tuple[str, ...]

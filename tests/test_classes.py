@@ -21,6 +21,13 @@ def test_kinds_and_mounts_are_known():
         assert info.density_kg_m3 > 0
 
 
+def test_things_have_a_least_size_and_hung_classes_hang():
+    for info in classes():
+        assert (info.min_diagonal_m > 0) == (info.kind == "thing")
+        if info.hung_class:
+            assert class_named(info.hung_class).mount == "wall"
+
+
 @pytest.mark.parametrize("label_set", LABEL_SETS)
 def test_no_foreign_id_means_two_classes(label_set):
     ids = [v for info in classes() for v in info.labels[label_set]]

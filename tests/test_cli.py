@@ -7,27 +7,32 @@ import sys
 
 import pytest
 
+from isr_jax import cli
+
 from .conftest import REPOSITORY
 
 COMMANDS = ["demo", "run", "inspect", "settle", "eval", "view", "cad"]
 
 
-def isr(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "isr_jax.cli", *arguments],
-        cwd=REPOSITORY,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+@pytest.fixture
+def isr(monkeypatch, capsys):
+    """The command in this process: exit status, standard output, standard error."""
+
+    def call(*arguments: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["isr", *arguments])
+        with pytest.raises(SystemExit) as stop:
+            cli.main()
+        return (stop.value.code or 0, *capsys.readouterr())
+
+    return call
 
 
-def test_help_lists_every_command_with_an_example():
-    result = isr("--help")
-    assert result.returncode == 0
+def test_help_lists_every_command_with_an_example(isr):
+    status, out, _ = isr("--help")
+    assert status == 0
     for command in COMMANDS:
-        assert command in result.stdout
-        assert f"Example: isr {command}" in result.stdout
+        assert command in out
+        assert f"Example: isr {command}" in out
 
 
 @pytest.mark.parametrize(
@@ -42,9 +47,16 @@ def test_help_lists_every_command_with_an_example():
         (("inspect", "{out}"), "{out}"),
     ],
 )
-def test_a_user_error_is_one_message_and_status_2(arguments, says, tmp_path):
-    result = isr(*(a.format(out=tmp_path) for a in arguments))
-    message = result.stderr.replace("\n", "")
-    assert result.returncode == 2, result.stdout + result.stderr
-    assert "Traceback" not in result.stderr
+def test_a_user_error_is_one_message_and_status_2(isr, arguments, says, tmp_path):
+    status, out, err = isr(*(a.format(out=tmp_path) for a in arguments))
+    assert status == 2, out + err
+    message = err.replace("\n", "")
     assert says.format(out=tmp_path) in message and "->" in message
+
+
+def test_a_process_of_its_own_ends_with_the_message_and_no_traceback(tmp_path):
+    command = [sys.executable, "-m", "isr_jax.cli", "inspect", str(tmp_path)]
+    ended = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, timeout=120)
+    assert ended.returncode == 2, ended.stdout + ended.stderr
+    assert ended.stderr.startswith("error:") and "Traceback" not in ended.stderr
+    assert str(tmp_path) in ended.stderr.replace("\n", "")

@@ -9,6 +9,7 @@ import networkx as nx
 import numpy as np
 import pytest
 
+from isr_jax.classes import class_named
 from isr_jax.config import ContactGraphSettings, preset
 from isr_jax.contact_graph import build_contact_graphs, to_networkx
 from isr_jax.contact_graph.proximal import _depths
@@ -131,6 +132,9 @@ def test_support_tree_has_no_cycle_and_every_edge_meets_the_paper(seed):
     assert nx.is_forest(tree)
     for child in np.flatnonzero(graph.parent >= 0).tolist():
         parent, k = int(graph.parent[child]), int(graph.support_plane[child])
+        if k < 0:  # in furniture, on a board that was not seen
+            assert not class_named(scene[parent].class_name).movable
+            continue
         assert scene[parent].planes.normal[k, 2] >= DEFAULT.up_cosine
         _, contact, _ = slow.terms(scene, scene[child], scene[parent], k, DEFAULT)
         assert contact >= DEFAULT.min_contact - SCORE
@@ -313,3 +317,23 @@ def test_a_second_scene_compiles_nothing_new():
     build_contact_graphs([random_scene(11, 7), random_scene(12, 15)], DEFAULT)
     assert [kernel._cache_size() for kernel in kernels] == before
     assert all(size > 0 for size in before)
+
+
+def test_a_book_on_a_board_that_was_not_seen_stands_in_its_shelf():
+    shelf = box_entity(2, "bookshelf", (0, 0, 1.0), (0.8, 0.3, 2.0), faces=(2, 3))
+    book = thing(3, "book", (0.1, 0, 1.2), (0.2, 0.2, 0.04))
+    beside = thing(4, "book", (1.5, 0, 1.2), (0.2, 0.2, 0.04))
+    scene = scene_of(floor_entity(1), shelf, book, beside)
+    graph = only(scene)
+    assert graph.parent.tolist() == [ROOM, 0, 1, UNSUPPORTED]
+    assert graph.support_plane[2] == -1
+    np.testing.assert_array_equal(graph.refined_box.size[2], book.box.size)
+    strict = dataclasses.replace(DEFAULT, inside_furniture=False)
+    assert only(scene, strict).parent[2] == UNSUPPORTED
+
+
+@pytest.mark.parametrize(("class_name", "attached"), [("wall_cabinet", "wall"), ("cup", "none")])
+def test_what_hangs_by_its_class_may_be_seen_from_the_front_only(class_name, attached):
+    wall = box_entity(2, "wall", (0, 1.01, 1.25), (4, 0.02, 2.5), faces=(5,))
+    front = thing(3, class_name, (0, 0.7, 1.8), (0.8, 0.1, 0.6))
+    assert only(scene_of(floor_entity(1), wall, front)).attachment[2] == attached

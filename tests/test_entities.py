@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 
 import jax
@@ -325,3 +326,70 @@ def test_an_empty_surface_has_no_entities():
         np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0, np.int32), VOXEL_M,
     )  # fmt: skip
     assert len(extract_entities(empty, np.eye(4), SETTINGS)) == 0
+
+
+def things(*parts, settings=SETTINGS):
+    surface = surface_of(("floor", floor_mesh()), *parts)
+    return [e for e in extract_entities(surface, np.eye(4), settings) if not e.is_layout]
+
+
+def test_fragments_are_left_out_and_counted(caplog):
+    crumb = ("sofa", box_mesh((0.02, 0.17, 0.16), (0, 1, 0.5), spacing_m=0.01))
+    chair = ("chair", box_mesh((0.4, 0.4, 0.9), (1, 0, 0.45), spacing_m=0.03))
+    with caplog.at_level(logging.INFO, logger="isr_jax"):
+        assert [e.name for e in things(crumb, chair)] == ["chair_1"]
+    assert "1 fragments left out: sofa" in caplog.text
+    kept = dataclasses.replace(SETTINGS, drop_fragments=False)
+    assert [e.name for e in things(crumb, chair, settings=kept)] == ["chair_1", "sofa_1"]
+
+
+def test_flakes_scattered_in_a_large_box_are_no_thing():
+    spots = [(x, y, z) for x in (0, 1.0) for y in (0, 0.5) for z in (0.2, 1.2)]
+    flakes = joined(*(box_mesh((0.06, 0.06, 0.02), s, spacing_m=0.02) for s in spots))
+    reach = dataclasses.replace(SETTINGS, piece_link_m=1.5)  # one piece
+    assert things(("cabinet", flakes), settings=reach) == []
+    every = dataclasses.replace(reach, min_coverage=0.0)
+    assert len(things(("cabinet", flakes), settings=every)) == 1
+
+
+def test_parts_of_one_thing_are_joined_and_neighbours_are_not():
+    desk = box_mesh((1.4, 0.7, 0.03), (0, 0, 0.73), spacing_m=0.03)
+    legs = box_mesh((1.3, 0.6, 0.7), (0, 0, 0.35), spacing_m=0.05)
+    near = submesh(legs, legs.normals[:, 0] > 0.9)
+    top = joined(desk, submesh(legs, legs.normals[:, 0] < -0.9))
+    (found,) = things(("desk", top), ("desk", near))
+    assert found.id == 2 and found.merged_ids == (3,)
+    assert len(found.mesh.vertices) == len(top.vertices) + len(near.vertices)
+    halves = [
+        ("cup", box_mesh((0.04, 0.08, 0.08), (x, 0, 0.04), spacing_m=0.01)) for x in (0, 0.045)
+    ]
+    assert [e.name for e in things(*halves)] == ["cup_1"]
+    books = [
+        ("book", box_mesh((0.15, 0.21, 0.03), (0, 0, z), spacing_m=0.01)) for z in (0.015, 0.05)
+    ]
+    cabinets = [
+        ("cabinet", box_mesh((0.6, 0.6, 0.8), (x, 2, 0.4), spacing_m=0.05)) for x in (0, 0.6)
+    ]
+    names = [e.name for e in things(*books, *cabinets)]
+    assert names == ["book_1", "book_2", "cabinet_1", "cabinet_2"]
+
+
+@pytest.mark.parametrize(("bottom_m", "name"), [(0.0, "cabinet_1"), (1.4, "wall_cabinet_1")])
+def test_a_cabinet_high_up_is_a_wall_cabinet(bottom_m, name):
+    mesh = box_mesh((0.8, 0.35, 0.7), (0, 0, bottom_m + 0.35))
+    (found,) = things(("cabinet", mesh))
+    assert found.name == name and found.class_name == name[:-2]
+
+
+def test_the_boards_of_a_shelf_are_planes_and_those_of_a_cup_are_not():
+    shell = box_mesh((0.8, 0.3, 2.0), (0, 0, 1.0), spacing_m=0.02)
+    sides = submesh(shell, (np.abs(shell.normals[:, 0]) > 0.9) | (shell.normals[:, 1] > 0.9))
+    heights = (0.05, 0.4, 0.75, 1.1, 1.45, 1.8)
+    boards = [
+        upper_side(box_mesh((0.76, 0.28, 0.02), (0, 0, z - 0.01), spacing_m=0.03)) for z in heights
+    ]
+    (shelf,) = things(("bookshelf", joined(sides, *boards)))
+    up = shelf.planes.normal[:, 2] > 0.9
+    np.testing.assert_allclose(np.sort(-shelf.planes.offset[up]), heights, atol=5 * MM)
+    (cup,) = things(("cup", box_mesh((0.08, 0.08, 0.1), (0, 0, 0.05), spacing_m=0.01)))
+    assert len(cup.planes.offset) == 0

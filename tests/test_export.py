@@ -118,7 +118,9 @@ def test_glb_is_y_up_and_keeps_names_and_colors(exported):
     assert {"floor_1", "cup_4", "cabinet_6", "cabinet_6_door"} <= set(glb.graph.nodes)
     material = glb.geometry["table_3_visual_0"].visual.material
     assert np.allclose(material.baseColorFactor[:3], np.round(255 * np.array([0.7, 0.6, 0.5])))
-    assert np.all(glb.geometry["chair_5"].visual.vertex_colors[:, :3] == 128)
+    scan = glb.geometry["chair_5"].visual
+    assert np.all(scan.vertex_attributes["color"][:, :3] == 128)
+    assert scan.material.metallicFactor == 0.0  # glTF's default is metal, shown black
 
 
 def test_scan_ply_is_read_back(exported):

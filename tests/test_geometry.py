@@ -133,15 +133,13 @@ def test_moved_planes_hold_the_moved_points(scale, angle, shift, seed):
     np.testing.assert_allclose(np.sum(moved_n * moved, -1) + moved_d, 0.0, atol=1e-4)
 
 
-def test_plane_heights():
+def test_height_of_a_tilted_plane():
     tilt = np.array([0.1, -0.05, 1.0])
     normal = (tilt / np.linalg.norm(tilt)).astype(np.float32)
     point = np.array([0.4, 1.5, 0.73], np.float32)
     offset = np.float32(-normal @ point)
     height = geometry.plane_height_at(normal, jnp.asarray(offset), point[:2])
     assert float(height) == pytest.approx(0.73, abs=METRES)
-    origin = geometry.plane_height_at(normal, jnp.asarray(offset), np.zeros(2, np.float32))
-    assert float(geometry.plane_height(normal, jnp.asarray(offset))) == pytest.approx(float(origin))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -150,9 +148,6 @@ def test_rigid_transforms_compose_and_invert(seed):
     turn = geometry.rot_z(jnp.asarray(rng.uniform(-3, 3), jnp.float32))
     T = geometry.make_T(turn @ geometry.CUBE_ROTATIONS[9], jnp.asarray(rng.normal(size=3)))
     np.testing.assert_allclose(geometry.invert_T(T) @ T, np.eye(4), atol=1e-6)
-    points = rng.normal(size=(5, 3)).astype(np.float32)
-    back = geometry.transform_points(geometry.invert_T(T), geometry.transform_points(T, points))
-    np.testing.assert_allclose(back, points, atol=1e-5)
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)

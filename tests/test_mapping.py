@@ -256,17 +256,6 @@ def test_what_is_seen_through_is_freed():
     assert left[True] < 0.02 * left[False]
 
 
-@pytest.mark.gpu
-def test_fusion_on_an_accelerator_equals_the_cpu(frames, mapped, gpu):
-    with jax.default_device(gpu):
-        there = fused(frames)
-    assert there.blocks.used == mapped.blocks.used
-    weight = np.asarray(there.pool.weight)
-    same = np.abs(np.asarray(there.pool.sdf_m) - np.asarray(mapped.pool.sdf_m)) < 1e-4
-    # a projection rounds onto the other pixel now and then
-    assert same[weight > 0].mean() > 0.999
-
-
 def test_an_empty_map_has_an_empty_surface():
     surface = PanopticMapper(CAMERA, SETTINGS).surface()
     assert len(surface.mesh.vertices) == 0 and len(surface.instance_ids) == 0

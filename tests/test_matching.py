@@ -217,12 +217,12 @@ def test_the_true_model_wins_in_its_orientation(rotation):
 
 
 def test_upright_models_are_preferred():
-    """A cube without planes fits in every rotation; the bias alone decides: 0.2 (1 + g . z)."""
+    """A cube without planes fits in every rotation; the bias alone decides: w_b (1 + g . z)."""
     cube = dataclasses.replace(block_model("bin/cube", (0.3, 0.3, 0.3)), symmetry=1)
     scene, every = scene_of(copy_of(cube, planes=0)), dataclasses.replace(DEFAULT, shortlist=24)
     found = match([scene], [graph_of(scene)], library_of(cube), every)[0]
     tilt = 1 - CUBE_ROTATIONS[found.rotation][:, 2, 2]
-    np.testing.assert_allclose(found.error, 0.2 * tilt, atol=ERROR)
+    np.testing.assert_allclose(found.error, DEFAULT.weight_upright * tilt, atol=ERROR)
     assert np.all(np.diff(tilt) >= 0) and tilt[-1] == 2
 
 
@@ -272,7 +272,7 @@ def test_shortlists_are_sorted_and_bounded_and_break_ties_in_order():
     assert np.all(np.diff(found.entity) >= 0)
     for position in np.unique(found.entity):
         errors = found.error[found.entity == position]
-        assert len(errors) <= DEFAULT.shortlist
+        assert len(errors) <= DEFAULT.shortlist + 3 * DEFAULT.turned_models
         assert np.all(np.diff(errors) >= -1e-5)
     cube = dataclasses.replace(block_model("bin/cube", (0.3, 0.3, 0.3)), symmetry=1)
     bare = scene_of(copy_of(cube, planes=0))
@@ -398,3 +398,37 @@ def test_a_second_scene_compiles_nothing_new():
 
 
 TALL = ("table/tall", "table", [((0.6, 0.6, 1.1), (0.0, 0.0, 0.0))])
+
+
+@pytest.mark.parametrize("distance_m", [0.1, 1.0])
+def test_backs_go_to_the_wall(distance_m):
+    """A box without planes looks the same from both sides; a wall beside it decides, if near."""
+    model = dataclasses.replace(block_model("cabinet/test", (0.8, 0.4, 0.9)), symmetry=1)
+    yaw, normal = 0.4, rotation_z(0.4) @ np.array([0.0, -1.0, 0.0])
+    center = -normal * (0.2 + distance_m + 0.01)
+    wall = box_entity(9, "wall", (*center[:2], 1.25), (4.0, 0.02, 2.5), yaw, faces=(5,))
+    cabinet = copy_of(model, yaw=yaw, shift=(0, 0, 0.45), planes=0)
+    scene = scene_of(wall, cabinet)
+    every = dataclasses.replace(DEFAULT, shortlist=24)
+    found = match([scene], [graph_of(scene)], library_of(model), every)[0]
+    near = distance_m < DEFAULT.wall_distance_m
+    table = slow.all_errors(
+        cabinet.box, cabinet.planes, [], set(), [model], [[]], every, UP,
+        normal if near else None,
+    )  # fmt: skip
+    np.testing.assert_allclose(found.error, table[0, found.rotation], atol=ERROR)
+    away = found.error[found.rotation == 2] - found.error[found.rotation == 0]
+    np.testing.assert_allclose(away, 2 * DEFAULT.weight_wall * near, atol=ERROR)
+
+
+def test_the_best_models_come_in_every_upright_turn():
+    scene, graph = noisy_scene(1)
+    few = dataclasses.replace(DEFAULT, shortlist=3, turned_models=2, merge_symmetric=False)
+    found = match([scene], [graph], seats_and_tables(), few)[0]
+    for position in np.unique(found.entity):
+        ours = found.entity == position
+        models, turns = found.model[ours], found.rotation[ours]
+        first = list(dict.fromkeys(models[:3].tolist()))[:2]
+        for model in first:
+            assert {0, 1, 2, 3} <= set(turns[models == model].tolist())
+        assert np.sum(ours) <= 3 + 4 * 2

@@ -55,6 +55,7 @@ class Try:
     yaw: float = 0.0
     scale: float = 1.0
     status: int = AlignmentStatus.CONVERGED
+    matching_error: float = 0.0
 
 
 def graph_of(entities, parents) -> ContactGraph:
@@ -74,7 +75,7 @@ def run(entities, parents, tries, settings=SETTINGS):
         np.array([t.entity for t in tries], np.int32),
         np.array(rows, np.int32),
         np.zeros(count, np.int32),
-        np.zeros(count, np.float32),
+        np.array([t.matching_error for t in tries], np.float32),
         np.zeros((count, 4), np.int32),
     )
     alignments = Alignments(
@@ -106,10 +107,21 @@ def test_the_smallest_error_is_taken_where_nothing_conflicts():
     floor, table = run([floor_entity(), table_at(2, 0)], [ROOM, 0], tries)
     assert (floor.cad_id, floor.reason) == (None, "layout")
     assert table.cad_id == "table/slim" and table.reason is None
-    assert reasons(table) == ["not needed: AE 0.050 m, the chosen one 0.030 m", None]
+    assert reasons(table) == ["not needed: cost 0.050 m, the chosen one 0.030 m", None]
     bottom = table.T_world_cad[2, 3] - 0.35
     # Nothing may start inside the floor: it stands a hair above it.
     np.testing.assert_allclose(bottom, SETTINGS.clearance_m, atol=1e-7)
+
+
+def test_near_ties_of_ae_go_to_the_better_match_and_to_true_size():
+    entities = [floor_entity(), table_at(2, 0)]
+    better = [Try(1, TABLE, (0, 0, 0.35), 0.020, matching_error=0.5), Try(1, SLIM, (0, 0, 0.35),
+              0.022, matching_error=0.1)]  # fmt: skip
+    true_size = [Try(1, TABLE, (0, 0, 0.28), 0.020, scale=0.8), Try(1, SLIM, (0, 0, 0.35), 0.022)]
+    paper = dataclasses.replace(SETTINGS, matching_weight_m=0.0, scale_weight_m=0.0)
+    for tries in (better, true_size):
+        assert run(entities, [ROOM, 0], tries)[1].cad_id == "table/slim"
+        assert run(entities, [ROOM, 0], tries, paper)[1].cad_id == "table/plain"
 
 
 def test_overlapping_models_give_way_to_an_alternative():
@@ -166,7 +178,7 @@ def test_a_small_overlap_does_not_cost_the_better_model():
 def test_what_moves_yields_to_what_stands():
     """A cup reaches into a table that fits worse: the cup keeps its scan."""
     cup = box_entity(3, "cup", (0.5, 0, 0.3), (0.1, 0.1, 0.1))
-    tries = [Try(1, TABLE, (0, 0, 0.35), 0.1), Try(2, CUP, (0.5, 0, 0.3), 0.001)]
+    tries = [Try(1, TABLE, (0, 0, 0.35), 0.09), Try(2, CUP, (0.5, 0, 0.3), 0.001)]
     _, table, kept = run([floor_entity(), table_at(2, 0), cup], [ROOM, 0, UNSUPPORTED], tries)
     assert table.cad_id is not None and kept.cad_id is None
 
@@ -264,11 +276,11 @@ def test_every_way_to_keep_a_scan_is_named():
     ]
     _, table, sofa, cup = run(scene, [ROOM, 0, 0, 0], tries)
     assert reasons(table) == [
-        "AE 0.210 m over 0.150 m",
+        "AE 0.210 m over 0.100 m",
         "alignment: not converged",
         "alignment: singular",
     ]
-    assert table.reason == "no candidate of 3 fits; table/plain: AE 0.210 m over 0.150 m"
+    assert table.reason == "no candidate of 3 fits; table/plain: AE 0.210 m over 0.100 m"
     assert sofa.reason == "no model of class sofa in the library"
     assert cup.reason == "matching found no candidate"
 

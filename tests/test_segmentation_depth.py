@@ -213,5 +213,5 @@ def test_labels_are_dense_and_only_where_depth_is(box_on_plane):
 
 
 def test_nothing_is_seen_in_an_empty_image():
-    label = segment_depth(np.zeros((24, 32), np.float32), SMALL, SETTINGS)
+    label = segment_depth(np.zeros((240, 320), np.float32), CAMERA, SETTINGS)
     assert not label.any()

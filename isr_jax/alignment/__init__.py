@@ -5,7 +5,7 @@ from .problem import AlignmentProblem, AlignmentSolution, AlignmentWeights, defa
 from .shortlists import align_shortlists
 from .solve import align
 
-VERSION: int = 1
+VERSION: int = 6
 """Changes when the results of this stage do."""
 
 __all__ = [

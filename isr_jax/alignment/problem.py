@@ -26,6 +26,8 @@ class AlignmentWeights(eqx.Module):
     """Of the footprint inside the entity's box, 1/m."""
     height: Float[Array, ""]
     """Of equal half heights, 1/m."""
+    scale: Float[Array, ""]
+    """Of log alpha."""
     prior: Float[Array, ""]
     """Of the start; keeps the system regular."""
 
@@ -38,6 +40,7 @@ class AlignmentWeights(eqx.Module):
             offset=np.asarray(settings.weight_offset, np.float32),
             footprint=np.asarray(settings.weight_footprint, np.float32),
             height=np.asarray(settings.weight_height, np.float32),
+            scale=np.asarray(settings.weight_scale, np.float32),
             prior=np.asarray(settings.prior_weight, np.float32),
         )
 

@@ -70,13 +70,14 @@ def unknowns_at_start(problem: AlignmentProblem, bounds: ScaleBounds) -> Float[A
 
 def box_residuals(
     pose: Pose, problem: AlignmentProblem, weights: AlignmentWeights
-) -> Float[Array, "9"]:
-    """e_b: the moved footprint inside x's, and equal heights (Eq. 8).
+) -> Float[Array, "10"]:
+    """e_b: the moved footprint inside x's, and equal heights (Eq. 8); beyond the paper, true size.
 
     A(T y) - A(x, T y) has no derivative where it is 0 or where the footprints part, so each
     corner of the moved, turned footprint has a hinge to the sides of x's rectangle instead. A
     corner can lie beyond one of two opposite sides only: |c| serves both. Heights are compared
-    by halves, as in the released code.
+    by halves, as in the released code. log alpha is added: models come in true size, and a
+    half-seen entity says too little about it.
     """
     size = rotated_size(problem.rotation, problem.model_size) * pose.scale
     corners = (
@@ -85,7 +86,14 @@ def box_residuals(
     )
     beyond = jnp.maximum(jnp.abs(corners) - problem.box.size[:2] / 2, 0.0)
     height = (size[2] - problem.box.size[2]) / 2
-    return jnp.concatenate([weights.footprint * beyond.ravel(), weights.height * height[None]])
+    stretch = jnp.log(pose.scale)
+    return jnp.concatenate(
+        [
+            weights.footprint * beyond.ravel(),
+            weights.height * height[None],
+            weights.scale * stretch[None],
+        ]
+    )
 
 
 def plane_residuals(

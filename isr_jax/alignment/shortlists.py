@@ -12,6 +12,7 @@ from ..config import AlignmentSettings
 from ..geometry import CUBE_ROTATIONS
 from ..types import Alignments, ContactGraph, Entities, Shortlist
 from .error import alignment_errors
+from .hidden import slide_hidden, spread
 from .problem import (
     AlignmentProblem,
     AlignmentSolution,
@@ -45,7 +46,12 @@ def align_shortlists(
         normal_residual=settings.normal_residual,
     )
     host = jax.tree.map(lambda leaf: np.asarray(leaf)[: sum(counts)], solution)
-    errors = _errors(scenes, shortlists, library, host, settings.max_points)
+    points, triangles = _pairs(scenes, shortlists, library)
+    bounds = (settings.scale_min, settings.scale_max)
+    host = slide_hidden(problem, host, points, triangles, settings.slide_hidden_m, bounds)
+    errors = alignment_errors(
+        host.T_world_cad, host.scale, [spread(p, settings.max_points) for p in points], triangles
+    )
     return _split(host, errors, counts)
 
 
@@ -127,27 +133,15 @@ def _pad_pairs(problem: AlignmentProblem) -> AlignmentProblem:
     )
 
 
-def _errors(scenes, shortlists, library, solution, max_points) -> np.ndarray:
-    """AE of all pairs."""
-    entities = [
-        scene[i]
+def _pairs(scenes, shortlists, library) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Vertices of the entity and triangles of the model of every pair."""
+    points = [
+        scene[i].mesh.vertices
         for scene, shortlist in zip(scenes, shortlists, strict=True)
         for i in shortlist.entity.tolist()
     ]
-    models = [library[m].mesh for s in shortlists for m in s.model.tolist()]
-    return alignment_errors(
-        solution.T_world_cad,
-        solution.scale,
-        [spread(entity.mesh.vertices, max_points) for entity in entities],
-        [mesh.vertices[mesh.faces] for mesh in models],
-    )
-
-
-def spread(vertices: np.ndarray, max_points: int) -> np.ndarray:
-    """At most ``max_points`` vertices, evenly spread over their order."""
-    if len(vertices) <= max_points:
-        return vertices
-    return vertices[np.linspace(0, len(vertices) - 1, max_points).astype(int)]
+    meshes = [library[m].mesh for s in shortlists for m in s.model.tolist()]
+    return points, [mesh.vertices[mesh.faces] for mesh in meshes]
 
 
 def _split(solution: AlignmentSolution, errors: np.ndarray, counts: list[int]) -> list[Alignments]:

@@ -22,4 +22,4 @@ __all__ = [
     "vertex_contact",
 ]
 
-VERSION: int = 1
+VERSION: int = 2

@@ -27,14 +27,16 @@ def attachments(
     - ``leaning``: it stands on something with less than the contact that would carry it (its
       bottom within the attach distance of a plane, A above 0), and a wall or the side of another
       thing is within that distance. Not for classes that hang on walls.
-    - ``wall``: a wall is within the attach distance of its box, beside the wall's extent.
+    - ``wall``: a wall is within the attach distance of its box, beside the wall's extent. Classes
+      that hang on walls may be farther: often only their fronts were seen.
     - ``hanging``: the ceiling is within that distance of its top.
     """
     distance = settings.attach_distance_m
     hangs_by_class = np.isin(flat.mount, ("wall", "opening"))
     result = ["none"] * len(parent)
     for row in np.flatnonzero(parent == UNSUPPORTED).tolist():
-        wall = _touches_wall(flat, row, distance)
+        reach = settings.attach_distance_mounted_m if hangs_by_class[row] else distance
+        wall = _touches_wall(flat, row, reach)
         foot = _footholds(triples, support, row, distance)
         beside = wall or _beside(row, foot, close, distance)
         if len(foot) and beside and not hangs_by_class[row]:

@@ -11,6 +11,7 @@ from ..config import ContactGraphSettings
 from ..types import ROOM, UNSUPPORTED, Box, ContactGraph, Entities
 from .attachment import attachments
 from .flat import FlatEntities, flatten, take
+from .inside import put_inside
 from .proximal import close_pairs
 from .support import Support
 from .triples import Triples, candidate_triples, pick, polygon_contacts, score_triples
@@ -28,6 +29,8 @@ def build_contact_graphs(
     triples = candidate_triples(flat, settings)
     support = score_triples(flat, triples, settings)
     parent, plane, score = _choose_parents(flat, triples, support, settings)
+    if settings.inside_furniture:
+        parent = put_inside(flat, parent)
     refined = refine_boxes(flat, parent, plane)
     pairs, depth = close_pairs(flat, refined, settings.attach_distance_m)
     attached = attachments(flat, triples, support, parent, (pairs, depth), settings)
@@ -105,7 +108,7 @@ def refine_boxes(
     Planes do not move, so no order has to be kept. A thing so flat that its top is not above
     the plane (a book, by noise) keeps its height, or one voxel if it is more, and is set upon it.
     """
-    rows = np.flatnonzero(parent >= 0)
+    rows = np.flatnonzero((parent >= 0) & (plane >= 0))
     box, planes = flat.box, flat.planes
     normal = planes.normal[parent[rows], plane[rows]]
     offset = planes.offset[parent[rows], plane[rows]]

@@ -52,10 +52,12 @@ def check_convention(name: str, source: Path) -> str:
     return name
 
 
-def read_pose(path: Path, data: bytes) -> Float[np.ndarray, "4 4"]:
-    """A 4x4 matrix from the text of a pose file, checked by `checked_pose`."""
+def read_pose(path: Path) -> Float[np.ndarray, "4 4"]:
+    """A 4x4 matrix from a pose file, checked by `checked_pose`."""
     try:
-        values = [float(v) for v in data.replace(b",", b" ").split()]
+        values = [float(v) for v in path.read_bytes().replace(b",", b" ").split()]
+    except OSError as error:
+        raise FrameError(f"{path}: {error.strerror}", "restore the file or skip it") from None
     except ValueError as error:
         raise FrameError(f"{path} is no pose: {error}", "write 4 rows of 4 numbers") from None
     if len(values) != 16:

@@ -63,17 +63,18 @@ def register_color(
     missing = (depth_m <= 0).astype(np.uint8)
     if missing.all():
         return color
-    _, nearest = cv2.distanceTransformWithLabels(
+    labels = cv2.distanceTransformWithLabels(
         missing, cv2.DIST_L2, 3, labelType=cv2.DIST_LABEL_PIXEL
-    )
+    )[1]
+    nearest = np.asarray(labels, np.int32)
     depth_of_label = np.zeros(nearest.max() + 1, np.float32)
     depth_of_label[nearest[missing == 0]] = depth_m[missing == 0]
     z = depth_of_label[nearest]
     v, u = np.indices(depth_m.shape, np.float32)
     x_over_z = (u - depth_camera.cx) / depth_camera.fx + color_camera.x_m / z
     y_over_z = (v - depth_camera.cy) / depth_camera.fy
-    map_u = (color_camera.cx + color_camera.f * x_over_z).astype(np.float32)
-    map_v = (color_camera.cy + color_camera.f * y_over_z).astype(np.float32)
+    map_u = np.asarray(color_camera.cx + color_camera.f * x_over_z, np.float32)
+    map_v = np.asarray(color_camera.cy + color_camera.f * y_over_z, np.float32)
     moved = cv2.remap(color, map_u, map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(moved, np.uint8)
 
@@ -104,11 +105,15 @@ def _decode(path: Path, flags: int) -> np.ndarray:
 
 def check_complete(path: Path) -> None:
     """Raises `FrameError` for a cut file without decoding it."""
-    with path.open("rb") as file:
-        start = file.read(2)
-        size = file.seek(0, 2)
-        file.seek(max(0, size - _TAIL_BYTES))
-        _check_end(path, start, file.read(), size)
+    try:
+        with path.open("rb") as file:
+            start = file.read(2)
+            size = file.seek(0, 2)
+            file.seek(max(0, size - _TAIL_BYTES))
+            tail = file.read()
+    except OSError as error:
+        raise FrameError(f"{path}: {error.strerror}", "restore the file or skip it") from None
+    _check_end(path, start, tail, size)
 
 
 def _check_end(path: Path, start: bytes, tail: bytes, size: int) -> None:

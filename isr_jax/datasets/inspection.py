@@ -12,6 +12,7 @@ from rich.table import Table
 
 from ..config import InputSettings
 from ..errors import FrameError, IsrError
+from ..plain_text import plain_text
 from ..types import Camera
 from .checks import (
     Samples,
@@ -90,6 +91,9 @@ class InspectReport:
         if not self.problems and not self.incomplete:
             lines.append("[green]nothing is wrong with it[/green]")
         return Group(self._facts(), self._conventions(), *lines)
+
+    def __str__(self) -> str:
+        return plain_text(self.table())
 
     def _facts(self) -> Table:
         table = Table(title=f"{self.path} ({self.format})", show_header=False)

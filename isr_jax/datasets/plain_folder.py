@@ -46,7 +46,10 @@ def read(path: Path, names: set[str]) -> Recording:
         format="plain",
         frames=tuple(_frame(stem, files, convention) for stem in stems),
         intrinsics=Intrinsics(
-            *(float(data[k]) for k in ("fx", "fy", "cx", "cy")),
+            float(data["fx"]),
+            float(data["fy"]),
+            float(data["cx"]),
+            float(data["cy"]),
             int(data["width"]),
             int(data["height"]),
             str(path / _FILE),
@@ -71,7 +74,7 @@ def _frame(stem: str, files: dict[str, dict[str, Path]], convention: str) -> Rec
         pose = FrameError(f"frame {stem} has no pose file", "add its pose or drop it")
     else:
         try:
-            pose = to_camera_to_dataset(read_pose(pose_file, pose_file.read_bytes()), convention)
+            pose = to_camera_to_dataset(read_pose(pose_file), convention)
         except FrameError as error:
             pose = error
     return RecordedFrame(stem, files["rgb"].get(stem), files["depth"].get(stem), pose)

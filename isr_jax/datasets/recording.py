@@ -82,11 +82,25 @@ class Recording:
             text = pose.problem if isinstance(pose, FrameError) else pose.tobytes().hex()
             digest.update(f"{frame.name} {text};".encode())
             for path in (frame.color, frame.depth):
-                size = os.stat(path).st_size if path is not None else -1
-                digest.update(f"{path.name if path else None} {size};".encode())
+                digest.update(f"{path.name if path else None} {_size(path)};".encode())
                 if path is not None and i in whole:
-                    digest.update(path.read_bytes())
+                    digest.update(_contents(path))
         return digest.hexdigest()
+
+
+def _size(path: Path | None) -> int:
+    """Bytes; -1 for a file that is not there, which is an error only where its frame is read."""
+    try:
+        return -1 if path is None else os.stat(path).st_size
+    except OSError:
+        return -1
+
+
+def _contents(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
 
 
 def present(frame: RecordedFrame, path: Path | None, kind: str) -> Path:

@@ -61,7 +61,7 @@ def _frame(name: str, parts: dict[str, Path]) -> RecordedFrame:
         pose = FrameError(f"frame {name} has no pose file", "add its pose or drop it")
     else:
         try:
-            pose = read_pose(pose_file, pose_file.read_bytes())
+            pose = read_pose(pose_file)
         except FrameError as error:
             pose = error
     return RecordedFrame(name, parts.get("color"), parts.get("depth"), pose)

@@ -67,7 +67,10 @@ def read(path: Path, names: set[str]) -> Recording:
 
 
 def _rows(path: Path, columns: int) -> list[list[str]]:
-    text = path.read_text("utf-8")
+    try:
+        text = path.read_text("utf-8")
+    except OSError as error:
+        raise SequenceError(f"{path}: {error.strerror}", "TUM RGB-D folders hold it") from None
     rows = [line.split() for line in text.splitlines() if line and not line.startswith("#")]
     rows = [row for row in rows if row]
     short = next((row for row in rows if len(row) < columns), None)
@@ -152,8 +155,11 @@ def _intrinsics(path: Path, names: set[str]) -> tuple[Intrinsics, str]:
     """From ``calibration.txt`` (fx fy cx cy), else those of the sensor in the folder's name."""
     if _CALIBRATION in names:
         file = path / _CALIBRATION
-        values = [float(v) for v in _rows(file, 4)[0][:4]]
-        return Intrinsics(*values, None, None, str(file)), f"intrinsics from {file.name}"
+        try:
+            fx, fy, cx, cy = (float(v) for v in _rows(file, 4)[0][:4])
+        except ValueError as error:
+            raise SequenceError(f"{file}: {error}", "write fx fy cx cy") from None
+        return Intrinsics(fx, fy, cx, cy, None, None, str(file)), f"intrinsics from {file.name}"
     sensor = next((s for s in _FREIBURG if s in str(path.resolve()).lower()), None)
     values = _FREIBURG[sensor] if sensor else _DEFAULT
     source = f"those published for {sensor}" if sensor else "TUM's default, 525 px"

@@ -3,6 +3,6 @@
 from .extract import extract_entities
 from .rectangles import facing_direction, gravity_box, min_area_angle
 
-VERSION: int = 1
+VERSION: int = 4
 
 __all__ = ["VERSION", "extract_entities", "facing_direction", "gravity_box", "min_area_angle"]

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from jaxtyping import Float
 
 from ..classes import classes
 from ..config import EntitySettings
 from ..types import Entities, Entity, Mesh, PanopticSurface
+from .boards import find_boards
+from .instances import Instance, thing_instances
 from .layout import fallback_floor, level_layout, walls
-from .planes import find_planes, plane_set
-from .rectangles import facing_direction, gravity_box
-from .submesh import main_pieces, submesh
+from .planes import find_planes, plane_area, plane_set
+from .submesh import submesh
 
 
 def extract_entities(
@@ -22,49 +25,34 @@ def extract_entities(
     """Entities of a map, layout first (floor, ceiling, walls), then things by class and size.
 
     Each carries its mesh, a gravity-aligned least box robust to strays, and its planes. Things
-    are numbered in their class by the volume of their box, largest first. Where no floor was
+    are numbered in their class by the volume of their box, largest first. Parts of one thing that
+    the map holds apart are joined, and fragments left out (`thing_instances`). Where no floor was
     labelled, one at z = 0 stands in for it, with a warning on the log ``isr_jax``.
     """
     settings = settings or EntitySettings()
     layout = _layout_entities(surface, settings)
-    things = []
-    for id, class_id in zip(surface.instance_ids, surface.class_ids, strict=True):
-        info = classes()[class_id]
-        if info.kind == "thing":
-            thing = _thing(surface, int(id), info.name, settings)
-            things += [thing] if thing is not None else []
+    things = [_thing(one, surface, settings) for one in thing_instances(surface, settings)]
     return Entities(
         tuple(layout + _numbered(things)), np.asarray(T_world_dataset), surface.voxel_size_m
     )
 
 
-def _thing(
-    surface: PanopticSurface, id: int, class_name: str, settings: EntitySettings
-) -> Entity | None:
-    whole = submesh(surface.mesh, surface.instance == id)
-    mesh = main_pieces(whole, settings.piece_link_m, settings.piece_min_ratio)
-    if len(mesh.vertices) < settings.min_vertices:
-        return None
-    voxel_m = surface.voxel_size_m
-    assert mesh.normals is not None
-    box = gravity_box(
-        mesh.vertices,
-        settings.box_trim,
-        2 * voxel_m,
-        voxel_m,
-        facing=facing_direction(mesh.normals),
-        weight=settings.box_normal_weight,
-    )
+def _thing(one: Instance, surface: PanopticSurface, settings: EntitySettings) -> Entity:
+    name, size = one.info.name, np.asarray(one.box.size)
+    threshold_m = min(settings.plane_threshold_m, float(size.min()) / 4)
     found = find_planes(
-        mesh,
-        threshold_m=min(settings.plane_threshold_m, float(np.min(box.size)) / 4),
+        one.mesh,
+        threshold_m=threshold_m,
         min_ratio=settings.plane_min_ratio,
         max_planes=settings.max_planes,
         iterations=settings.plane_iterations,
         seed=settings.seed,
     )
-    planes = plane_set(mesh, found, trim=settings.box_trim, margin_m=2 * voxel_m)
-    return Entity(id, class_name, class_name, box, planes, mesh, False)
+    found = [f for f in found if plane_area(one.mesh, f) >= settings.plane_min_area_m2]
+    if not one.info.movable and np.isfinite(settings.board_min_area_m2):
+        found += find_boards(one.mesh, found, threshold_m, settings)
+    planes = plane_set(one.mesh, found, trim=settings.box_trim, margin_m=2 * surface.voxel_size_m)
+    return Entity(one.id, name, name, one.box, planes, one.mesh, False, one.merged_ids)
 
 
 def _numbered(things: list[Entity]) -> list[Entity]:
@@ -75,7 +63,7 @@ def _numbered(things: list[Entity]) -> list[Entity]:
     for t in ordered:
         counts[t.class_name] = k = counts.get(t.class_name, 0) + 1
         name = f"{t.class_name}_{k}"
-        named.append(Entity(t.id, name, t.class_name, t.box, t.planes, t.mesh, False))
+        named.append(dataclasses.replace(t, name=name))
     return named
 
 

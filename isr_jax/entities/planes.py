@@ -112,6 +112,11 @@ def vertex_areas(mesh: Mesh) -> Float[np.ndarray, " vertices"]:
     return total.astype(np.float64)  # bincount counts nothing in integers
 
 
+def plane_area(mesh: Mesh, plane: FoundPlane) -> float:
+    """Observed area of a plane, square metres."""
+    return float(vertex_areas(mesh)[plane.inside].sum())
+
+
 def plane_set(mesh: Mesh, found: list[FoundPlane], *, trim: float, margin_m: float) -> PlaneSet:
     """The planes with their rectangles and observed areas, without padding."""
     areas = vertex_areas(mesh)

@@ -57,7 +57,8 @@ def _outward(points, normals, share, normal, offset):
 
 
 def _refit(points, normals, live, plane, threshold_m, min_cosine):
-    inside = plane_inliers(points, normals, live, *plane, threshold_m, min_cosine)
+    normal, offset = plane
+    inside = plane_inliers(points, normals, live, normal, offset, threshold_m, min_cosine)
     share = inside.astype(points.dtype)
     fitted = _outward(points, normals, share, *fit_plane(points, share))
     enough = jnp.sum(inside) >= 3
@@ -79,17 +80,18 @@ def best_plane(
 
     def attempt(pick):
         start = normals[pick], -jnp.dot(normals[pick], points[pick])
-        plane = _refit(points, normals, live, start, _GATHER * threshold_m, min_cosine)
-        inside = plane_inliers(points, normals, live, *plane, threshold_m, min_cosine)
-        return plane, jnp.sum(inside)
+        normal, offset = _refit(points, normals, live, start, _GATHER * threshold_m, min_cosine)
+        inside = plane_inliers(points, normals, live, normal, offset, threshold_m, min_cosine)
+        return (normal, offset), jnp.sum(inside)
 
     planes, counts = lax.map(attempt, picks, batch_size=25)
     best = jnp.argmax(counts)
     plane = jax.tree.map(lambda field: field[best], planes)
     for _ in range(_REFITS):
         plane = _refit(points, normals, live, plane, threshold_m, min_cosine)
-    inside = plane_inliers(points, normals, live, *plane, threshold_m, min_cosine)
-    return *plane, inside
+    normal, offset = plane
+    inside = plane_inliers(points, normals, live, normal, offset, threshold_m, min_cosine)
+    return normal, offset, inside
 
 
 @functools.partial(jax.jit, static_argnames="iterations")

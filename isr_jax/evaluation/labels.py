@@ -11,7 +11,7 @@ import dataclasses
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 REACH_M = 0.05
 GRID_M = 0.02
@@ -36,8 +36,8 @@ def transfer(
     """Nearest neighbours both ways."""
     if len(vertices) == 0 or len(truth) == 0:
         return Transfer(np.full(len(truth), -1), np.full(len(vertices), FAR_M))
-    distance, nearest = cKDTree(vertices).query(truth, distance_upper_bound=REACH_M, workers=-1)
-    to_truth_m, _ = cKDTree(truth).query(vertices, distance_upper_bound=FAR_M, workers=-1)
+    distance, nearest = KDTree(vertices).query(truth, distance_upper_bound=REACH_M, workers=-1)
+    to_truth_m, _ = KDTree(truth).query(vertices, distance_upper_bound=FAR_M, workers=-1)
     return Transfer(np.where(np.isfinite(distance), nearest, -1), np.minimum(to_truth_m, FAR_M))
 
 

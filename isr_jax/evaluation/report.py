@@ -13,6 +13,7 @@ from rich.console import Group
 from rich.table import Table
 
 from ..errors import OutputError
+from ..plain_text import plain_text
 from .cad_alignment import AlignmentLimits, CadErrors
 
 
@@ -55,10 +56,15 @@ class PanopticScores:
         """Average the rows."""
         matched = [c for c in classes if c.true_positives]
         return PanopticScores(
-            *(_mean(getattr(c, k) for c in classes) or 0.0 for k in ("pq", "sq", "rq")),
-            *(_mean(c.pq for c in classes if c.kind == kind) for kind in ("thing", "stuff")),
-            *(_mean(getattr(c, k) for c in matched) for k in ("pq", "sq", "rq")),
-            classes,
+            pq=_mean(c.pq for c in classes) or 0.0,
+            sq=_mean(c.sq for c in classes) or 0.0,
+            rq=_mean(c.rq for c in classes) or 0.0,
+            pq_things=_mean(c.pq for c in classes if c.kind == "thing"),
+            pq_stuff=_mean(c.pq for c in classes if c.kind == "stuff"),
+            pq_matched=_mean(c.pq for c in matched),
+            sq_matched=_mean(c.sq for c in matched),
+            rq_matched=_mean(c.rq for c in matched),
+            classes=classes,
         )
 
 
@@ -250,6 +256,9 @@ class EvaluationReport:
         for name, value in self.headline():
             top.add_row(name, value)
         return Group(top, self._class_table(), self._cad_table())
+
+    def __str__(self) -> str:
+        return plain_text(self.table())
 
     def _class_table(self) -> Table:
         table = Table("class", "PQ", "SQ", "RQ", "TP", "FP", "FN", "AP@0.5", "AP@0.25")

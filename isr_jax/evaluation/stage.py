@@ -105,11 +105,12 @@ def _score_cads(
             rows.append(CadRow(true.name, true.class_name, true.cad.id, None, None, reason, ""))
             continue
         sizes, source = _sizes(true, found, model_size)
-        poses = [
+        errors = score_cads(
             _pose(true.cad, sizes[0], np.eye(4)),
             _pose(found.cad, sizes[1], result.T_truth_result),
-        ]
-        errors = score_cads(*poses, symmetry.get(true.cad.id, 1), limits)
+            symmetry.get(true.cad.id, 1),
+            limits,
+        )
         rows.append(
             CadRow(true.name, true.class_name, true.cad.id, found.cad.id, errors, "", source)
         )

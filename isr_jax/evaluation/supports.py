@@ -34,8 +34,11 @@ def score_supports(
 def _edges(scene: SceneFile) -> dict[str, str]:
     """What carries each thing that is carried."""
     by_name = {e.name: e for e in scene.entities}
-    carried = [e for e in scene.entities if e.type != "layout" and e.parent is not None]
-    return {e.name: _node(by_name[e.parent]) for e in carried if e.parent != ROOM_NAME}
+    return {
+        e.name: _node(by_name[e.parent])
+        for e in scene.entities
+        if e.type != "layout" and e.parent is not None and e.parent != ROOM_NAME
+    }
 
 
 def _node(entity: EntityRecord) -> str:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
+from trimesh.exchange.gltf import export_glb
+from trimesh.visual import TextureVisuals
+from trimesh.visual.material import PBRMaterial
 
 from ..errors import OutputError
 from ..robot_model import Visual, link_transforms
@@ -31,7 +35,7 @@ def write_glb(path: Path, slabs: tuple[Slab, ...], bodies: tuple[Body, ...]) -> 
         else:
             _add_mesh(scene, body.name, ROOM_NAME, body.T_world_root, _colored(body.scan))
     try:
-        path.write_bytes(scene.export(file_type="glb"))
+        path.write_bytes(export_glb(scene, tree_postprocessor=_matt))
     except OSError as error:
         raise OutputError(
             f"{path}: {error.strerror}", "give a folder that can be written"
@@ -63,8 +67,17 @@ def _colored(mesh: Mesh) -> trimesh.Trimesh | None:
     return trimesh.Trimesh(mesh.vertices, mesh.faces, vertex_colors=colors, process=False)
 
 
+def _matt(tree: dict[str, Any]) -> None:
+    """Give what has no material a matt one: glTF takes it for metal, which viewers show black."""
+    materials = tree.setdefault("materials", [])
+    materials.append({"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 1.0}})
+    for mesh in tree.get("meshes", ()):
+        for primitive in mesh["primitives"]:
+            primitive.setdefault("material", len(materials) - 1)
+
+
 def _painted(visual: Visual) -> trimesh.Trimesh:
-    material = trimesh.visual.material.PBRMaterial(
+    material = PBRMaterial(
         baseColorFactor=[round(255 * c) for c in visual.rgba],
         metallicFactor=0.0,
         roughnessFactor=0.8,
@@ -72,6 +85,6 @@ def _painted(visual: Visual) -> trimesh.Trimesh:
     return trimesh.Trimesh(
         visual.mesh.vertices,
         visual.mesh.faces,
-        visual=trimesh.visual.TextureVisuals(material=material),
+        visual=TextureVisuals(material=material),
         process=False,
     )

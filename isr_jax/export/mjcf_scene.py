@@ -1,5 +1,8 @@
 """Border: the scene as MJCF, composed as a MuJoCo spec (mujoco)."""
 
+# MuJoCo's compiled names have no stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 from pathlib import Path

@@ -123,7 +123,7 @@ def settle_down(
             unresolved[body.name] = "; ".join(filter(None, (unresolved.get(body.name), problem)))
     shifts = {scene.bodies[i].name: scene.shift(i) for i in sorted(scene.bodies)}
     moved = {
-        name: tuple(round(float(v), 6) for v in step)
+        name: (round(float(step[0]), 6), round(float(step[1]), 6), round(float(step[2]), 6))
         for name, step in shifts.items()
         if np.linalg.norm(step) > _TOUCH_M
     }

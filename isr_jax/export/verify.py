@@ -1,5 +1,8 @@
 """Border: every export is loaded again and compared with the scene (mujoco, yourdfpy, trimesh)."""
 
+# MuJoCo's compiled names have no stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import dataclasses

@@ -20,9 +20,9 @@ from .convex import (
     parts_apart,
     penetration,
 )
-from .planes import plane_height, plane_height_at, transform_planes
+from .planes import plane_height_at, transform_planes
 from .rotations import CUBE_ROTATIONS, rotated_size
-from .transforms import invert_T, make_T, rot_z, smallest_rotation, transform_points, wrap_angle
+from .transforms import invert_T, make_T, rot_z, smallest_rotation, wrap_angle
 from .triangles import (
     point_triangle_distance_sq,
     points_to_mesh_distance,
@@ -48,7 +48,6 @@ __all__ = [
     "moved_part",
     "parts_apart",
     "penetration",
-    "plane_height",
     "plane_height_at",
     "point_triangle_distance_sq",
     "points_in_box_frame",
@@ -60,6 +59,5 @@ __all__ = [
     "smallest_rotation",
     "stack_boxes",
     "transform_planes",
-    "transform_points",
     "wrap_angle",
 ]

@@ -85,7 +85,8 @@ def convex_overlap_area(a: Float[Array, "4 2"], b: Float[Array, "4 2"]) -> Float
     edges = jnp.roll(edges_from, -1, axis=0) - edges_from
 
     def step(carry, edge):
-        return _clip_half_plane(*carry, edge[0], edge[1]), None
+        polygon, count = carry
+        return _clip_half_plane(polygon, count, edge[0], edge[1]), None
 
     start = (polygon, jnp.asarray(4, jnp.int32))
     (polygon, count), _ = jax.lax.scan(step, start, (edges_from, edges))

@@ -24,19 +24,6 @@ def transform_planes(
     return moved, scale * offset - moved @ translation
 
 
-def plane_height(
-    normal: Float[Array, "*batch 3"], offset: Float[Array, "*batch"]
-) -> Float[Array, "*batch"]:
-    """Height z at which an up-facing plane stands above the origin, metres.
-
-    For a plane that is not quite level this is the height at the origin's vertical; callers that
-    need it elsewhere evaluate the plane there.
-    """
-    nz = normal[..., 2]
-    safe = jnp.where(jnp.abs(nz) > 1e-6, nz, 1.0)
-    return -offset / safe
-
-
 def plane_height_at(
     normal: Float[Array, "3"], offset: Float[Array, ""], xy: Float[Array, "2"]
 ) -> Float[Array, ""]:

@@ -32,13 +32,6 @@ def invert_T(T_a_b: Float[Array, "*batch 4 4"]) -> Float[Array, "*batch 4 4"]:
     return make_T(rotation, -(rotation @ T_a_b[..., :3, 3:])[..., 0])
 
 
-def transform_points(
-    T_a_b: Float[Array, "4 4"], points: Float[Array, "*batch 3"]
-) -> Float[Array, "*batch 3"]:
-    """Points of frame b, in frame a."""
-    return points @ T_a_b[:3, :3].T + T_a_b[:3, 3]
-
-
 def wrap_angle(angle: Float[Array, "*batch"]) -> Float[Array, "*batch"]:
     """The same angle in [-pi, pi)."""
     return jnp.mod(angle + jnp.pi, 2 * jnp.pi) - jnp.pi

@@ -93,8 +93,8 @@ def _restore_blocks(mapper, stored: dict[str, np.ndarray], capacity: int) -> Non
         whole[:used] = rows
         return jnp.asarray(whole)
 
-    fields = [padded(stored[name]) for name in ("sdf_m", "weight", "color")]
-    mapper.pool = VoxelPool(*fields, tuple(padded(s) for s in stored["labels"]))
+    sdf_m, weight, color = (padded(stored[name]) for name in ("sdf_m", "weight", "color"))
+    mapper.pool = VoxelPool(sdf_m, weight, color, tuple(padded(s) for s in stored["labels"]))
 
 
 def _restore_labels(fusion, stored: dict[str, np.ndarray]) -> None:

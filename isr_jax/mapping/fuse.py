@@ -166,7 +166,8 @@ def _blend_color(old, new, share, update):
 def _fuse_chunk(fields, packed: PackedFrame, base, camera: Camera, scale: FusionScale, local):
     """New fields of some blocks, and the segment and old label that each voxel saw."""
     sdf_old, weight_old, color_old, leader = fields
-    index, z, ray = _pixel_of(*(base[:, k, None] + local[None, :, k] for k in range(3)), camera)
+    x, y, z = (base[:, k, None] + local[None, :, k] for k in range(3))
+    index, z, ray = _pixel_of(x, y, z, camera)
     word, color = lax.optimization_barrier((packed.words[index], packed.color[index]))
     depth = (word >> SEGMENT_BITS).astype(jnp.float32) * DEPTH_STEP_M
     sdf = (depth - z) * ray
@@ -232,7 +233,8 @@ def fuse_blocks(
 
     trips = (count + CHUNK_BLOCKS - 1) // CHUNK_BLOCKS
     fields, hits = lax.fori_loop(0, trips, step, ((pool.sdf_m, pool.weight, pool.color), hits))
-    return VoxelPool(*fields, pool.labels), hits
+    sdf_m, weight, color = fields
+    return VoxelPool(sdf_m, weight, color, pool.labels), hits
 
 
 fuse_frame = jax.jit(fuse_blocks, donate_argnames=("pool", "hits"))

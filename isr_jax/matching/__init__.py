@@ -2,7 +2,7 @@
 
 Follows section V-B of the paper:
 
-    D(x, y) = w_s d_s + w_pi d_pi + w_b d_b
+    D(x, y) = w_s d_s + w_pi d_pi + w_b d_b (+ w_w d_w: backs to the wall)
 
 for every functional entity x, every model y of its match group and every rotation of the cube.
 The assignment of planes in d_pi is exact; all (scene, entity, model, rotation) lie on one flat
@@ -25,4 +25,4 @@ __all__ = [
     "pair_terms",
 ]
 
-VERSION: int = 1
+VERSION: int = 2

@@ -21,6 +21,8 @@ class EntityFeatures(eqx.Module):
     valid: Bool[Array, "*batch rows"]
     carries: Bool[Array, "*batch rows"]
     """A child stands on this plane: it must find a partner."""
+    wall_normal: Float[Array, "*batch 3"]
+    """Of the wall that x stands or hangs at, world frame; 0 where there is none."""
 
 
 class ModelFeatures(eqx.Module):
@@ -39,6 +41,8 @@ class PairTerms(eqx.Module):
     """d_s."""
     upright: Float[Array, "*batch"]
     """d_b."""
+    wall: Float[Array, "*batch"]
+    """d_w."""
     plane_cost: Float[Array, "*batch rows columns"]
     """A summand of d_pi for each pair of planes; inf where f may not map so."""
 
@@ -55,7 +59,12 @@ def pair_terms(
     d_pi summand = | d(T_x^T pi_i)/||s_x|| - d(pi_j)/||s_y|| | + 1 - n(T_x^T pi_i) . n(pi_j)
 
     s_y and pi_j are those of the model after R. T_x^T pi is the plane seen from the frame of B_x:
-    n_b = R_x^T n, d_b = d + n . p_x. f keeps supporting planes supporting: a plane of x that
+    n_b = R_x^T n, d_b = d + n . p_x. Beyond the paper, as its released code has it, backs go to
+    walls: with the front -y of a model and the normal n_w of the wall that x is at,
+
+    d_w = 1 - n_w . R_x R (-y),   0 where x is at no wall.
+
+    f keeps supporting planes supporting: a plane of x that
     faces up goes only to planes that face up after R, whatever they did before it.
 
     Args:
@@ -71,9 +80,12 @@ def pair_terms(
     supporting_x, supporting_y = normal_x[:, 2] >= up_cosine, normal_y[:, 2] >= up_cosine
     allowed = supporting_y[None, :] | ~supporting_x[:, None]
     allowed &= entity.valid[:, None] & model.valid[None, :]
+    front = rot_z(entity.box.yaw) @ -rotation[:, 1]
+    at_wall = jnp.any(entity.wall_normal != 0)
     return PairTerms(
         size=jnp.linalg.norm(entity.box.size / diagonal_x - size_y / diagonal_y),
         upright=1.0 - rotation[2, 2],
+        wall=jnp.where(at_wall, 1.0 - entity.wall_normal @ front, 0.0),
         plane_cost=jnp.where(allowed, jnp.maximum(cost, 0.0), jnp.inf),
     )
 

@@ -35,7 +35,12 @@ def carrying_planes(graph: ContactGraph, position: int) -> Int[np.ndarray, " pla
 
 
 def entity_features(
-    entity: Entity, graph: ContactGraph, position: int, rows: np.ndarray, width: int
+    entity: Entity,
+    graph: ContactGraph,
+    position: int,
+    rows: np.ndarray,
+    width: int,
+    wall_normal: np.ndarray,
 ) -> EntityFeatures:
     """Feature row of one entity, padded to ``width`` planes.
 
@@ -46,7 +51,7 @@ def entity_features(
     carries[: len(rows)] = np.isin(rows, carrying_planes(graph, position))
     box = jax.tree.map(lambda leaf: np.asarray(leaf[position], np.float32), graph.refined_box)
     normal, offset, valid = _pad(entity.planes, rows, width)
-    return EntityFeatures(box, normal, offset, valid, carries)
+    return EntityFeatures(box, normal, offset, valid, carries, wall_normal)
 
 
 def model_features(model: CadModel, columns: np.ndarray, width: int) -> ModelFeatures:

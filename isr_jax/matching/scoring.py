@@ -36,9 +36,12 @@ class Query:
     """Positions in the library."""
     rows: Int[np.ndarray, " rows"]
     """Its planes that count."""
+    wall_normal: Float[np.ndarray, "3"]
 
     def features(self, width: int) -> EntityFeatures:
-        return entity_features(self.entity, self.graph, self.position, self.rows, width)
+        return entity_features(
+            self.entity, self.graph, self.position, self.rows, width, self.wall_normal
+        )
 
 
 def all_errors(
@@ -103,7 +106,12 @@ def take(batch, rows: np.ndarray):
 
 def _numbers(settings: MatchingSettings, up_cosine: float) -> tuple[np.ndarray, ...]:
     """Settings as arrays, so that sweeping them recompiles nothing."""
-    weights = [settings.weight_size, settings.weight_planes, settings.weight_upright]
+    weights = [
+        settings.weight_size,
+        settings.weight_planes,
+        settings.weight_upright,
+        settings.weight_wall,
+    ]
     values = (weights, settings.unmatched_cost, up_cosine)
     return tuple(np.asarray(value, np.float32) for value in values)
 
@@ -112,16 +120,16 @@ def _numbers(settings: MatchingSettings, up_cosine: float) -> tuple[np.ndarray, 
 def matching_errors(
     x: EntityFeatures,
     y: ModelFeatures,
-    weights: Float[Array, "3"],
+    weights: Float[Array, "4"],
     unmatched_cost: Float[Array, ""],
     up_cosine: Float[Array, ""],
 ) -> Float[Array, "pairs 24"]:
-    """D(x, y) = w_s d_s + w_pi d_pi + w_b d_b of pairs, in all 24 rotations of the model.
+    """D(x, y) = w_s d_s + w_pi d_pi + w_b d_b + w_w d_w of pairs, in all 24 rotations of y.
 
     Args:
         x: [pairs] entities.
         y: [pairs] models.
-        weights: w_s, w_pi, w_b.
+        weights: w_s, w_pi, w_b, w_w.
         unmatched_cost: Of a plane of x without partner; inf rejects the model.
         up_cosine: A plane is supporting if its normal's z is at least this.
     """
@@ -132,7 +140,8 @@ def matching_errors(
     cost = jnp.moveaxis(terms.plane_cost.reshape(pairs * turns, rows, columns), 0, -1)
     price = jnp.repeat(unmatched_price(x, unmatched_cost), turns, axis=0).T
     planes = assignment_cost(cost, price).reshape(pairs, turns)
-    total = weights[0] * terms.size + weights[1] * planes + weights[2] * terms.upright
+    total = weights[0] * terms.size + weights[1] * planes
+    total += weights[2] * terms.upright + weights[3] * terms.wall
     return jnp.where(jnp.isfinite(planes), total, jnp.inf)  # a weight of 0 times inf is NaN
 
 

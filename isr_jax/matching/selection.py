@@ -11,6 +11,8 @@ from ..cad_types import CadLibrary
 from ..config import MatchingSettings
 from ..geometry import CUBE_ROTATIONS
 
+_UPRIGHT_TURNS = 4
+"""The first of `CUBE_ROTATIONS` are the turns about z."""
 _TIE = 1e-5
 """Errors nearer than this are equal: float32 leaves no more, and symmetry makes exact ties."""
 
@@ -30,14 +32,23 @@ def pick_best(
     library: CadLibrary,
     settings: MatchingSettings,
 ) -> Picked:
-    """The ``shortlist`` smallest errors; ties go to the first model, then the first rotation."""
+    """The ``shortlist`` smallest errors; ties go to the first model, then the first rotation.
+
+    Of an entity that was seen from one side only, D says little about which way a model turns:
+    the first ``turned_models`` of its models also come in the upright turns that are missing.
+    """
     slot, rotation = (a.ravel().astype(np.int32) for a in np.indices(error.shape))
     flat, model = error.ravel(), models[slot].astype(np.int32)
     keep = np.flatnonzero(np.isfinite(flat))
     order = keep[np.lexsort((rotation[keep], model[keep], np.round(flat[keep] / _TIE)))]
     if settings.merge_symmetric:
         order = _without_twins(order, model, rotation, library)
-    order = order[: settings.shortlist]
+    best = order[: settings.shortlist]
+    models_first = model[best][np.sort(np.unique(model[best], return_index=True)[1])]
+    turned = np.isin(model[order], models_first[: settings.turned_models])
+    turned &= rotation[order] < _UPRIGHT_TURNS
+    turned[: settings.shortlist] = True
+    order = order[turned]
     return Picked(model[order], rotation[order], flat[order])
 
 

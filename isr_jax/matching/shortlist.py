@@ -25,6 +25,7 @@ from .features import (
 )
 from .scoring import Query, all_errors, blocks, stack, take, unmatched_price
 from .selection import Picked, pick_best
+from .walls import wall_normal
 
 
 def match(
@@ -45,7 +46,7 @@ def match(
     Args:
         up_cosine: A plane is supporting if its normal's z is at least this.
     """
-    queries = _queries(scenes, graphs, library)
+    queries = _queries(scenes, graphs, library, settings)
     columns = [model_columns(model) for model in library.models]
     errors = all_errors(queries, library, columns, settings, up_cosine)
     picked = [
@@ -61,7 +62,10 @@ def match(
 
 
 def _queries(
-    scenes: Sequence[Entities], graphs: Sequence[ContactGraph], library: CadLibrary
+    scenes: Sequence[Entities],
+    graphs: Sequence[ContactGraph],
+    library: CadLibrary,
+    settings: MatchingSettings,
 ) -> list[Query]:
     found = []
     for number, (scene, graph) in enumerate(zip(scenes, graphs, strict=True)):
@@ -70,7 +74,8 @@ def _queries(
             if entity.is_layout or not class_named(entity.class_name).functional or not len(models):
                 continue
             rows = entity_rows(entity.planes, carrying_planes(graph, position))
-            found.append(Query(number, position, entity, graph, models, rows))
+            wall = wall_normal(scene, entity, settings.wall_distance_m)
+            found.append(Query(number, position, entity, graph, models, rows, wall))
     return found
 
 

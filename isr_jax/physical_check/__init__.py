@@ -4,7 +4,7 @@ from .check import check
 from .contact import contact_ratio
 from .min_conflicts import min_conflicts
 
-VERSION: int = 1
+VERSION: int = 2
 """Changes when the results of this stage do."""
 
 __all__ = ["VERSION", "check", "contact_ratio", "min_conflicts"]

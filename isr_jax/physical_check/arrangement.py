@@ -166,4 +166,4 @@ class Arrangement:
     def firmness(self, i: int) -> tuple[bool, float]:
         """Furniture that stands fixed yields last; of the rest, what fits best."""
         movable = class_named(self.scene.entities[i].class_name).movable
-        return not movable, -self.chosen[i].error_m
+        return not movable, -self.chosen[i].cost_m

@@ -23,10 +23,11 @@ def check(
     """Choose what stands for each entity; one placement an entity, in their order.
 
     Candidates that do not carry the entity's children or go through layout are dropped. Of the
-    rest min-conflicts takes one an entity, from the smallest AE, so that no two penetrate by more
+    rest min-conflicts takes one an entity, from the smallest cost (AE + w_D D + w_alpha
+    |log alpha|; the paper's is AE alone), so that no two penetrate by more
     than the tolerance, kept scans included; what carries one another is exempt. Children then
     move onto their parents' models and overlaps are looked for again. Where a conflict remains
-    and no small sideways move ends it, the entity with the larger AE keeps its scan, and says so.
+    and no small sideways move ends it, the entity with the larger cost keeps its scan, and says so.
     """
     options, reasons = options_of(entities, graph, shortlist, alignments, library, settings)
     scans = {i: scan_points(e.mesh.vertices) for i, e in enumerate(entities) if not e.is_layout}

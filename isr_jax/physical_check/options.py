@@ -29,6 +29,8 @@ class Option:
     scale: float
     error_m: float
     """AE."""
+    cost_m: float
+    """What the choice is by: AE + w_D D + w_alpha |log alpha|."""
     solid: Solid
     carrying_m: dict[int, list[float]]
     """Heights of the planes that carry each child, by its position."""
@@ -47,11 +49,15 @@ class Child:
 def observed_support(entities: Entities, graph: ContactGraph, position: int) -> float | None:
     """Height of the plane that carries an entity, where it stands; None where nothing does.
 
-    Layout counts as level: so it is exported.
+    Layout counts as level: so it is exported. Of a plane that was not seen it is the entity's
+    bottom.
     """
     parent, plane = int(graph.parent[position]), int(graph.support_plane[position])
-    if parent < 0 or plane < 0:
+    if parent < 0:
         return None
+    if plane < 0:
+        box = box_at(graph.refined_box, position)
+        return float(box.center[2] - box.size[2] / 2)
     planes = entities[parent].planes
     if entities[parent].is_layout:
         return float(np.asarray(planes.corners)[plane, :, 2].mean())
@@ -105,7 +111,14 @@ class _Judge:
             return None, reason
         step = step + push
         T[:3, 3] += step
-        return Option(row, T, scale, error, solid.moved(step), {}), None
+        return Option(row, T, scale, error, self._cost(row), solid.moved(step), {}), None
+
+    def _cost(self, row: int) -> float:
+        """AE sees one side only and ties where a model is turned or exchanged for a scaled one."""
+        found, settings = self.alignments, self.settings
+        matching = settings.matching_weight_m * float(self.shortlist.error[row])
+        scaling = settings.scale_weight_m * abs(float(np.log(found.scale[row])))
+        return float(found.alignment_error_m[row]) + matching + scaling
 
     def up_planes(self, option: Option) -> np.ndarray:
         """Corners [planes, 4, 3] of the option's up-facing planes, world frame."""

@@ -69,9 +69,9 @@ class Report:
             return self.reasons[row]
         a = next(k for k, o in enumerate(self.search.tried[i]) if o.row == row)
         chosen = self.arrangement.chosen.get(i)
-        error = self.search.tried[i][a].error_m
-        if chosen is not None and chosen.error_m <= error:
-            return f"not needed: AE {error:.3f} m, the chosen one {chosen.error_m:.3f} m"
+        cost = self.search.tried[i][a].cost_m
+        if chosen is not None and chosen.cost_m <= cost:
+            return f"not needed: cost {cost:.3f} m, the chosen one {chosen.cost_m:.3f} m"
         name, depth = self._deepest_conflict(i, a)
         if depth > 0:
             return collision(name, depth)

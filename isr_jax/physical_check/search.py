@@ -35,7 +35,7 @@ class Search:
     def _choose(self) -> dict[int, Option]:
         active = [i for i in self.scene.solid_things if i not in self.fallen]
         # A kept scan takes part with the one option that it has.
-        errors = [np.array([o.error_m for o in self.options[i]]) if i in self.options
+        errors = [np.array([o.cost_m for o in self.options[i]]) if i in self.options
                   else np.zeros(1) for i in active]  # fmt: skip
         chosen = min_conflicts(
             errors,

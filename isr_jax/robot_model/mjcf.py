@@ -1,5 +1,8 @@
 """Border: models as bodies, joints and geoms of a MuJoCo spec (mujoco)."""
 
+# MuJoCo's compiled names have no stubs.
+# pyright: reportAttributeAccessIssue=false
+
 from __future__ import annotations
 
 import dataclasses

@@ -37,6 +37,7 @@ class FileMasks:
         self.folder = Path(folder)
         self._json = self.folder / "panoptic.json"
         content = _read_json(self._json)
+        _check_members(content, self._json)
         self._class_of = _category_classes(content["categories"], self._json)
         self._annotations = {Path(a["file_name"]).stem: a for a in content["annotations"]}
         self.name = f"masks:{self.folder.name}"
@@ -48,7 +49,10 @@ class FileMasks:
         """The masks of a frame, and the id in the file of each of their rows (0 for row 0)."""
         annotation = self._annotations.get(frame.name)
         if annotation is None:
-            raise FrameError(f"{self._json} has no annotation for frame {frame.name!r}")
+            raise FrameError(
+                f"{self._json} has no annotation for frame {frame.name!r}",
+                "add it (file_name is the frame's name), or read annotated frames (input.stride)",
+            )
         ids = _read_ids(self.folder / "panoptic" / annotation["file_name"], frame)
         segments = annotation["segments_info"]
         segment_ids = np.array([0, *(s["id"] for s in segments)], np.int64)
@@ -93,12 +97,27 @@ def _read_json(path: Path) -> dict[str, Any]:
         ) from None
     except (json.JSONDecodeError, UnicodeDecodeError) as error:
         raise SegmenterError(f"{path} is not JSON: {error}", "write it again") from None
-    missing = [k for k in ("annotations", "categories") if k not in content]
+    _check_keys(content, ("annotations", "categories"), str(path))
+    return content
+
+
+def _check_members(content: dict[str, Any], path: Path) -> None:
+    """What every category, annotation and segment must have, found before any frame is read."""
+    for i, category in enumerate(content["categories"]):
+        _check_keys(category, ("id", "name"), f"{path}: categories[{i}]")
+    for i, annotation in enumerate(content["annotations"]):
+        where = f"{path}: annotations[{i}]"
+        _check_keys(annotation, ("file_name", "segments_info"), where)
+        for j, segment in enumerate(annotation["segments_info"]):
+            _check_keys(segment, ("id", "category_id"), f"{where}.segments_info[{j}]")
+
+
+def _check_keys(member: Any, keys: tuple[str, ...], where: str) -> None:
+    missing = [k for k in keys if not isinstance(member, dict) or k not in member]
     if missing:
         raise SegmenterError(
-            f"{path} has no {' and no '.join(missing)}", "follow the COCO panoptic format"
+            f"{where} has no {' and no '.join(missing)}", "follow the COCO panoptic format"
         )
-    return content
 
 
 def _category_classes(categories: list[dict[str, Any]], path: Path) -> dict[int, int]:

@@ -53,7 +53,7 @@ def body_motions(
         path.quaternion, np.broadcast_to(path.quaternion[:1], path.quaternion.shape)
     )
     steps = np.linalg.norm(np.diff(path.position_m, axis=0), axis=-1)
-    gone = left_room(path.position_m, low, high).any(0)
+    gone = np.any(left_room(path.position_m, low, high), axis=0)
     first, last = (_row(path, t) for t in at_s)
     return tuple(
         BodyMotion(

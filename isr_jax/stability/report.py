@@ -12,6 +12,7 @@ from rich.console import Group
 from rich.table import Table
 
 from ..errors import OutputError
+from ..plain_text import plain_text
 
 
 @dataclasses.dataclass(frozen=True)
@@ -146,6 +147,9 @@ class StabilityReport:
     def table(self) -> Group:
         """Figures of both sets side by side, then every free body."""
         return Group(_summary(self), _bodies(self))
+
+    def __str__(self) -> str:
+        return plain_text(self.table())
 
 
 def _plain(value: Any) -> Any:

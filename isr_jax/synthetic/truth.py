@@ -58,7 +58,8 @@ def kept_planes(room: Room, item: PlacedModel) -> np.ndarray:
     Those that carry something, then those that could and can be seen, then the largest that can
     be seen: the inner shelves of a closed cabinet are in no map.
     """
-    carrying = [other.parent_plane for other in room.items if other.parent == item.name]
+    carried = [other for other in room.items if other.parent == item.name]
+    carrying = [c.parent_plane for c in carried if c.parent_plane is not None]
     supporting, seen = np.asarray(item.model.plane_supporting), open_planes(item.model)
     carries = np.isin(np.arange(len(seen)), carrying)
     order = np.lexsort((-item.model.planes.area_m2, ~supporting, ~carries))

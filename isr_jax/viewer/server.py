@@ -1,4 +1,4 @@
-"""Border: viser and trimesh. Shows a results folder in the browser."""
+"""Border: viser. Serves a results folder to the browser."""
 
 from __future__ import annotations
 
@@ -8,23 +8,15 @@ from typing import Any
 
 import jax
 import numpy as np
-import trimesh
 
-from ..errors import OutputError, SceneError
+from ..errors import OutputError
 from ..geometry import box_corners
 from ..scene_file import EntityRecord, SceneFile, read_scene
+from .layers import LAYERS
 
-_EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]]
-)
-_BOX_COLORS = {
-    "layout": (150, 150, 150),
-    "rigid": (60, 130, 240),
-    "articulated": (240, 120, 40),
-    "scan": (200, 60, 60),
-}
-_SUPPORT_COLOR = (30, 170, 80)
-_PROXIMAL_COLOR = (220, 180, 30)
+_SHOWN = ("models", "names")
+"""Layers that are on when the page opens."""
+_MAP_LAYERS = ("map", "map, by instance")
 
 
 def view(result_dir: str | Path, *, port: int = 8080, host: str = "127.0.0.1") -> None:
@@ -32,7 +24,7 @@ def view(result_dir: str | Path, *, port: int = 8080, host: str = "127.0.0.1") -
 
     Args:
         result_dir: Folder that `pipeline.run` wrote.
-        port: Port of the page.
+        port: Port of the page; the next free one where it is taken.
         host: Address to listen on; by default this machine alone.
 
     Raises:
@@ -45,22 +37,23 @@ def view(result_dir: str | Path, *, port: int = 8080, host: str = "127.0.0.1") -
 
 
 def build_view(result_dir: str | Path, *, port: int = 8080, host: str = "127.0.0.1") -> Any:
-    """Start a viser server that shows the folder, and return it."""
+    """Start a viser server that shows the folder, and return it; ``stop()`` ends it."""
     result_dir = Path(result_dir)
     scene = read_scene(result_dir / "scene.json")
     viser = _viser()
     server = viser.ViserServer(host=host, port=port, label="isr_jax", verbose=False)
-    server.scene.set_up_direction("+z")
-    layers = {
-        "panoptic map": _add_map(server, result_dir),
-        "models": _add_models(server, result_dir),
-        "boxes": _add_boxes(server, scene),
-        "contact graph": _add_graph(server, scene),
-        "names": _add_names(server, scene),
-    }
-    for name, handles in layers.items():
-        _add_switch(server, name, handles, shown=name in ("models", "names"))
-    server.gui.add_markdown(_summary(scene))
+    try:
+        server.scene.set_up_direction("+z")
+        _light(server)
+        _look_into(server, scene)
+        has_map = (result_dir / "map" / "panoptic.ply").exists()
+        for name in LAYERS:
+            if has_map or name not in _MAP_LAYERS:
+                _add_switch(server, name, scene, result_dir)
+        server.gui.add_markdown(_summary(scene))
+    except BaseException:
+        server.stop()
+        raise
     return server
 
 
@@ -73,75 +66,57 @@ def _viser() -> Any:
         ) from None
 
 
-def _add_switch(server: Any, name: str, handles: list[Any], shown: bool) -> None:
-    box = server.gui.add_checkbox(name, initial_value=shown)
+def _light(server: Any) -> None:
+    """Weaker than viser's own lights, in which the light walls of a room are all white."""
+    server.scene.configure_default_lights(enabled=False)
+    server.scene.configure_environment_map(hdri=None)
+    server.scene.set_background_image(np.full((8, 8, 3), (226, 231, 236), np.uint8))
+    server.scene.add_light_ambient("/light/everywhere", intensity=1.8)
+    server.scene.add_light_directional("/light/above", intensity=1.4, position=(1.5, -1.0, 4.0))
+
+
+def _look_into(server: Any, scene: SceneFile) -> None:
+    """Start above the corner with the least tall furniture in it, the whole room in view."""
+    if not scene.entities:
+        return
+    corners = [np.asarray(box_corners(jax.tree.map(np.asarray, e.box))) for e in scene.entities]
+    low, high = np.concatenate(corners).min(0), np.concatenate(corners).max(0)
+    middle, radius = (low + high) / 2, float(np.linalg.norm((high - low)[:2])) / 2
+    things = [c for c, e in zip(corners, scene.entities, strict=True) if e.type != "layout"]
+    sides = [np.array([x, y]) for x in (-0.7, 0.7) for y in (-0.7, 0.7)]
+
+    def hidden(side: np.ndarray) -> float:
+        return sum(max(0.0, (c.mean(0) - middle)[:2] @ side) * c[:, 2].max() for c in things)
+
+    side = min(sides, key=hidden)
+    target = np.array([middle[0], middle[1], 0.6])
+    server.initial_camera.look_at = target
+    server.initial_camera.position = target + radius * np.array([*side, 0.8])
+
+
+def _add_switch(server: Any, name: str, scene: SceneFile, result_dir: Path) -> None:
+    """A checkbox; its layer is sent to the browser when it is first switched on."""
+    box = server.gui.add_checkbox(name, initial_value=name in _SHOWN)
+    handles: list[Any] | None = None
 
     def update(_: object = None) -> None:
-        for handle in handles:
+        nonlocal handles
+        if handles is None and box.value:
+            handles = LAYERS[name](server, scene, result_dir)
+        for handle in handles or ():
             handle.visible = box.value
 
     box.on_update(update)
     update()
 
 
-def _add_map(server: Any, result_dir: Path) -> list[Any]:
-    path = result_dir / "map" / "panoptic.ply"
-    if not path.exists():
-        return []
-    mesh = trimesh.load_mesh(path)
-    return [server.scene.add_mesh_trimesh("/map", mesh)]
-
-
-def _add_models(server: Any, result_dir: Path) -> list[Any]:
-    path = result_dir / "scene.glb"
-    if not path.exists():
-        raise SceneError(f"{path} is missing", "write the scene again with `isr run`")
-    # glTF is y up; a quarter turn about x brings it back to z up.
-    turn = (np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0)
-    return [server.scene.add_glb("/models", path.read_bytes(), wxyz=turn)]
-
-
-def _add_boxes(server: Any, scene: SceneFile) -> list[Any]:
-    handles = []
-    for entity in scene.entities:
-        corners = np.asarray(box_corners(jax.tree.map(np.asarray, entity.box)))
-        color = _BOX_COLORS[entity.type]
-        handles.append(
-            server.scene.add_line_segments(
-                f"/boxes/{entity.name}", corners[_EDGES].astype(np.float32), colors=color
-            )
-        )
-    return handles
-
-
-def _add_graph(server: Any, scene: SceneFile) -> list[Any]:
-    centers = {e.name: np.asarray(e.box.center, np.float32) for e in scene.entities}
-    supports = [(centers[e.parent], centers[e.name]) for e in scene.entities if e.parent in centers]
-    proximal = [(centers[a], centers[b]) for a, b, _ in scene.proximal]
-    handles = []
-    for name, pairs, color in (
-        ("supports", supports, _SUPPORT_COLOR),
-        ("proximal", proximal, _PROXIMAL_COLOR),
-    ):
-        if pairs:
-            lines = np.array(pairs, np.float32)
-            handles.append(server.scene.add_line_segments(f"/graph/{name}", lines, colors=color))
-    return handles
-
-
-def _add_names(server: Any, scene: SceneFile) -> list[Any]:
-    return [
-        server.scene.add_label(
-            f"/names/{e.name}", e.name, position=tuple(np.asarray(e.box.center, float))
-        )
+def _summary(scene: SceneFile) -> str:
+    rows = ["| entity | stands as | on |", "| --- | --- | --- |"]
+    rows += [
+        f"| {e.name} | {_stands_as(e)} | {e.parent or 'nothing'} |"
         for e in scene.entities
         if e.type != "layout"
     ]
-
-
-def _summary(scene: SceneFile) -> str:
-    rows = ["| entity | stands as | on |", "| --- | --- | --- |"]
-    rows += [f"| {e.name} | {_stands_as(e)} | {e.parent or '-'} |" for e in scene.entities]
     return "\n".join(rows)
 
 

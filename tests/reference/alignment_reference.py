@@ -27,6 +27,7 @@ def residual_parts(pose, pair, weights, normal_residual="vector"):
                 beyond = max(0.0, sign * local[axis] - box[2][axis] / 2)
                 out.append(weights["footprint"] * beyond)
     out.append(weights["height"] * (size[2] - box[2][2]) / 2)
+    out.append(weights["scale"] * np.log(scale))
     for k in np.flatnonzero(pair["plane_valid"]):
         n, d = (
             pair["entity_normal"][k],

@@ -105,8 +105,27 @@ def supports(scene, settings, same_score=0.02):
             planes = scene[best[0]].planes
             shares = {r: polygon_contact(child, planes.corners[r[1]], 0.0) for r in level}
             best = max(level, key=lambda row: (round(shares[row], 3), row[2]))
+        if best[0] == UNSUPPORTED and settings.inside_furniture:
+            best = (_furniture_around(scene, child), -1, 0.0)
         found.append(best)
     return found
+
+
+def _furniture_around(scene, child):
+    """The least fixed thing in whose box a movable thing stands by half; UNSUPPORTED if none."""
+    around = []
+    for position, other in enumerate(scene):
+        info, (x, y, _) = class_named(other.class_name), np.asarray(other.box.size, float)
+        top = bottom(other) + float(other.box.size[2])
+        lower = may_carry(child, other) and not other.is_layout
+        if not lower or info.movable or info.mount != "floor" or bottom(child) > top:
+            continue
+        half = np.array([(-x, -y, 0), (x, -y, 0), (x, y, 0), (-x, y, 0)]) / 2
+        corners = half @ rotation_z(float(other.box.yaw)).T + np.asarray(other.box.center, float)
+        if polygon_contact(child, corners, 0.0) >= 0.5:
+            around.append((float(np.prod(np.asarray(other.box.size, float))), position))
+    movable = class_named(child.class_name).movable
+    return min(around)[1] if around and movable else UNSUPPORTED
 
 
 def refined(scene, found):
@@ -114,7 +133,7 @@ def refined(scene, found):
     rows = []
     for entity, (parent, k, _) in zip(scene, found, strict=True):
         center, size = float(entity.box.center[2]), float(entity.box.size[2])
-        if parent >= 0:
+        if parent >= 0 and k >= 0:
             planes = scene[parent].planes
             level = height(planes.normal[k], planes.offset[k], np.asarray(entity.box.center, float))
             size_new = max(center + size / 2 - level, min(size, scene.voxel_size_m))

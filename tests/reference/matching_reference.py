@@ -53,7 +53,9 @@ def plane_costs(box, planes, rows, model, columns, rotation, up_cosine) -> np.nd
     return cost
 
 
-def matching_error(box, planes, rows, carrying, model, columns, rotation, settings, up_cosine):
+def matching_error(
+    box, planes, rows, carrying, model, columns, rotation, settings, up_cosine, wall=None
+):
     """D(x, y) for one rotation of one model; inf where it is rejected."""
     size_x, size_y = np.asarray(box.size, float), np.abs(rotation) @ np.asarray(model.size, float)
     d_s = np.linalg.norm(size_x / np.linalg.norm(size_x) - size_y / np.linalg.norm(size_y))
@@ -64,17 +66,26 @@ def matching_error(box, planes, rows, carrying, model, columns, rotation, settin
         return np.inf
     gravity, up = np.array([0.0, 0, -1]), rotation @ np.array([0.0, 0, 1])
     d_b = 1 + gravity @ up
+    d_w = 0.0
+    if wall is not None:
+        front = rotation_z(float(box.yaw)) @ rotation @ np.array([0.0, -1, 0])
+        d_w = 1 - wall @ front
     return (
-        settings.weight_size * d_s + settings.weight_planes * d_pi + settings.weight_upright * d_b
+        settings.weight_size * d_s
+        + settings.weight_planes * d_pi
+        + settings.weight_upright * d_b
+        + settings.weight_wall * d_w
     )
 
 
-def all_errors(box, planes, rows, carrying, models, columns, settings, up_cosine) -> np.ndarray:
+def all_errors(
+    box, planes, rows, carrying, models, columns, settings, up_cosine, wall=None
+) -> np.ndarray:
     """[models, 24]."""
     table = np.zeros((len(models), 24))
     for m, model in enumerate(models):
         for r, rotation in enumerate(CUBE_ROTATIONS.astype(float)):
             table[m, r] = matching_error(
-                box, planes, rows, carrying, model, columns[m], rotation, settings, up_cosine
+                box, planes, rows, carrying, model, columns[m], rotation, settings, up_cosine, wall
             )
     return table
