@@ -3,7 +3,8 @@
     import isr_jax as isr
 
     sequence = isr.open_sequence("captures/kitchen")
-    scene = isr.reconstruct(sequence, library=isr.load_library("cad_db"))
+    masks = isr.open_segmenter("yolox.onnx+deeplab.onnx", "captures/kitchen")
+    scene = isr.reconstruct(sequence, segmenter=masks, library=isr.load_library("cad_db"))
     scene.save("out/kitchen")
     print(isr.settle("out/kitchen/scene.xml"))
 

@@ -12,5 +12,7 @@ _WIDTH = 110
 def plain_text(shown: RenderableType) -> str:
     """What a terminal without colours would show."""
     text = io.StringIO()
-    Console(file=text, width=_WIDTH, color_system=None, highlight=False).print(shown)
+    # In a notebook rich would write to the page instead.
+    console = Console(file=text, width=_WIDTH, color_system=None, force_jupyter=False)
+    console.print(shown, highlight=False)
     return "\n".join(line.rstrip() for line in text.getvalue().splitlines())

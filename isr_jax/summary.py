@@ -47,7 +47,9 @@ def _support(entity: EntityRecord) -> str:
 
 def headline_table(result: RunResult, report: EvaluationReport | None = None) -> Table:
     """Entities, supports, models, bodies, stability, scores, and where the outputs are."""
-    table = Table("figure", "value", title="result", title_justify="left")
+    table = Table(title="result", title_justify="left")
+    table.add_column("figure")
+    table.add_column("value", overflow="fold")
     for name, value in _headline(result):
         table.add_row(name, value)
     if report is not None:

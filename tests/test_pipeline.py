@@ -11,7 +11,9 @@ import pytest
 import yourdfpy
 
 from isr_jax import pipeline, simulation
-from isr_jax.errors import SettingError
+from isr_jax.cad import default_library
+from isr_jax.demonstration import film_room
+from isr_jax.errors import OutputError, SettingError
 from isr_jax.robot_model.mesh_files import MeshFiles
 from isr_jax.robot_model.mjcf import ContactModel, add_robot, spec_xml
 from isr_jax.scene_file import read_scene
@@ -169,4 +171,33 @@ def test_metrics_and_settings_stand_beside_the_result(finished):  # noqa: F811
     content = json.loads((finished.out_dir / "scene.json").read_text())
     assert content["settings"]["mapping"]["voxel_size_m"] == 0.04
     assert content["versions"]["isr_jax"]
-    assert "finished in" in (finished.out_dir / "run.log").read_text()
+    log = (finished.out_dir / "run.log").read_text()
+    assert "finished in" in log and all(stage in log for stage in (*FIRST, *LAST))
+
+
+def test_what_is_printed_is_a_table(finished):  # noqa: F811
+    text = str(finished.stability)
+    assert "penetration at t = 0" in text and "\x1b" not in text
+
+
+def test_a_film_is_kept_and_another_one_replaces_it(tmp_path):
+    def film_of(frames: int) -> Recorder:
+        recorder = Recorder()
+        options = {"width": 32, "height": 24, "library": library, "reporter": recorder}
+        assert film_room(tmp_path / "film", frames=frames, **options) == tmp_path / "film"
+        assert len(list((tmp_path / "film" / "depth").iterdir())) == frames
+        return recorder
+
+    library = default_library()
+    assert not film_of(3).reused["synthetic"]
+    assert film_of(3).reused["synthetic"]
+    assert not film_of(2).reused["synthetic"]
+    (tmp_path / "film" / "film.json").write_text("{}")  # as a killed run leaves it
+    assert not film_of(2).reused["synthetic"]
+
+
+def test_a_folder_that_holds_something_else_is_not_filmed_into(tmp_path):
+    (tmp_path / "letters.txt").write_text("dear")
+    with pytest.raises(OutputError, match="holds something else"):
+        film_room(tmp_path, frames=1)
+    assert [p.name for p in tmp_path.iterdir()] == ["letters.txt"]

@@ -100,7 +100,8 @@ def _places(
                 for e in (scale * size - box)[:2].tolist()]  # fmt: skip
         if max(map(len, ways)) == 1:
             continue
-        here = float(solution.scale[i]), float(solution.yaw[i]), solution.T_world_cad[i]
+        T_found = np.asarray(solution.T_world_cad[i])
+        here = float(solution.scale[i]), float(solution.yaw[i]), T_found
         found.append(_Place(i, *here))
         for x, y in itertools.product(*ways):
             T = np.eye(4)

@@ -50,7 +50,10 @@ def align_shortlists(
     bounds = (settings.scale_min, settings.scale_max)
     host = slide_hidden(problem, host, points, triangles, settings.slide_hidden_m, bounds)
     errors = alignment_errors(
-        host.T_world_cad, host.scale, [spread(p, settings.max_points) for p in points], triangles
+        np.asarray(host.T_world_cad),
+        np.asarray(host.scale),
+        [spread(p, settings.max_points) for p in points],
+        triangles,
     )
     return _split(host, errors, counts)
 

@@ -25,12 +25,12 @@ def wall_normal(scene: Entities, entity: Entity, distance_m: float) -> Float[np.
             continue
         normal = np.asarray(wall.planes.normal[0])
         gap = float(np.abs((corners @ normal + wall.planes.offset[0]).min()))
-        if gap <= nearest and _beside(corners, normal, wall.planes.corners[0]):
+        if gap <= nearest and _beside(corners, normal, np.asarray(wall.planes.corners[0])):
             nearest, best = gap, normal
     return best.astype(np.float32)
 
 
 def _beside(corners: np.ndarray, normal: np.ndarray, extent: np.ndarray) -> bool:
     along = np.array([-normal[1], normal[0], 0.0])
-    place, reach = corners @ along, np.asarray(extent) @ along
+    place, reach = corners @ along, extent @ along
     return bool(place.min() <= reach.max() and reach.min() <= place.max())

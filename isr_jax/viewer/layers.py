@@ -9,6 +9,7 @@ from typing import Any
 import jax
 import numpy as np
 import trimesh
+from trimesh.visual import ColorVisuals
 
 from ..errors import SceneError
 from ..geometry import box_corners
@@ -57,7 +58,7 @@ def add_instances(server: Any, scene: SceneFile, result_dir: Path) -> list[Any]:
     if mesh is None:
         return []
     instance = np.asarray(mesh.metadata["_ply_raw"]["vertex"]["data"]["instance"]).ravel()
-    mesh.visual.vertex_colors = _instance_colors(instance)
+    mesh.visual = ColorVisuals(mesh, vertex_colors=_instance_colors(instance))
     return [_shown(server, "/instances", mesh)]
 
 
