@@ -336,23 +336,6 @@ def run(
         return finish(scene, out_dir, reporter, started)
 
 
-def run_from_entities(
-    found: Entities,
-    out_dir: str | Path,
-    *,
-    library: CadLibrary,
-    settings: Settings | None = None,
-    reporter: Reporter | None = None,
-) -> RunResult:
-    """As `run`, from entities that are already known (an annotated scan, a synthetic truth)."""
-    started = time.perf_counter()
-    settings = settings or preset("default")
-    out_dir, reporter = Path(out_dir), logged(reporter)
-    with _output(out_dir, settings):
-        runner = StageRunner(StageStore(out_dir / "stages"), reporter)
-        return finish(furnish(found, library, settings, runner), out_dir, reporter, started)
-
-
 def finish(scene: Scene, out_dir: Path, reporter: Reporter, started: float) -> RunResult:
     """Write the scene, settle it in MuJoCo, keep the verdict beside it."""
     reporter.stage("export", False)

@@ -19,7 +19,7 @@ COARSE = (
     "segmentation.min_piece_px=10",
     "matching.shortlist=4",
     "alignment.max_points=256",
-    "physical_check.max_rounds=10",
+    "physical_check.max_nudge_m=0.0",
     "stability.duration_s=0.5",
     "stability.perturbed_resets=0",
 )
