@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import io
 import json
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -101,8 +102,11 @@ def test_overlap_at_the_start_has_its_true_depth(tmp_path):
 
 
 def test_what_falls_out_of_the_room_is_counted(tmp_path):
-    scene = cubes_scene((0, 0, 0.1), (9, 0, 0.1), parents=[0, UNSUPPORTED])
+    scene = cubes_scene((0, 0, 0.1), (1, 0, 0.1), parents=[0, UNSUPPORTED])
     export_scene(*scene.arguments, tmp_path)
+    tree = ElementTree.parse(tmp_path / "scene.xml")
+    tree.find(".//body[@name='cup_3']").set("pos", "30 0 0.1")  # far past the floor
+    tree.write(tmp_path / "scene.xml")
     report = settle(tmp_path / "scene.xml", QUICK)
     assert report.exported.left_room == 1
     assert {m.name for m in report.exported.bodies if m.left_room} == {"cup_3"}

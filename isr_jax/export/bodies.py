@@ -10,6 +10,7 @@ from ..cad_types import CadLibrary, CadModel
 from ..classes import class_named
 from ..config import ExportSettings
 from ..errors import SceneError
+from ..geometry import box_corners
 from ..robot_model import Link, RobotModel, link_transforms, scaled
 from ..robot_model.naming import named_in_scene
 from ..types import ContactGraph, Entities, Entity, Mesh, Placement
@@ -51,8 +52,14 @@ class Body:
     """In the root's frame, at full resolution; None for a CAD model."""
 
 
-def slab_of(entity: Entity, settings: ExportSettings) -> Slab:
-    """The slab behind ``planes[0]``; a floor reaches past what was seen of it."""
+def slab_of(entity: Entity, settings: ExportSettings, above: np.ndarray) -> Slab:
+    """The slab behind ``planes[0]``; a floor reaches past what was seen of it, and under things.
+
+    Args:
+        entity: Of layout.
+        settings: Thickness and margin.
+        above: [points, 3] corners of all things: the floor is rarely seen under furniture.
+    """
     planes = entity.planes
     normal = np.asarray(planes.normal[0], np.float64)
     corners = np.asarray(planes.corners[0], np.float64)
@@ -64,12 +71,16 @@ def slab_of(entity: Entity, settings: ExportSettings) -> Slab:
     x = x - normal * (normal @ x)
     x /= np.linalg.norm(x)
     across = np.cross(normal, x)
-    size = np.array([np.ptp(corners @ x), np.ptp(corners @ across), settings.layout_thickness_m])
-    if entity.class_name == "floor":
-        size[:2] += 2 * settings.floor_margin_m
+    is_floor = entity.class_name == "floor"
+    inside = np.concatenate([corners, above]) if is_floor else corners
+    axes = np.stack([x, across], 1)
+    low, high = (inside @ axes).min(0), (inside @ axes).max(0)
+    margin_m = settings.floor_margin_m if is_floor else 0.0
+    size = np.array([*(high - low + 2 * margin_m), settings.layout_thickness_m])
     T = np.eye(4)
     T[:3, :3] = np.stack([x, across, normal], 1)
-    T[:3, 3] = center - normal * size[2] / 2
+    face = axes @ ((low + high) / 2) + normal * (normal @ center)
+    T[:3, 3] = face - normal * size[2] / 2
     return Slab(entity.name, entity.class_name, T, size, entity.mesh)
 
 
@@ -81,7 +92,9 @@ def scene_bodies(
     settings: ExportSettings,
 ) -> tuple[tuple[Slab, ...], tuple[Body, ...]]:
     """Slabs and bodies of a scene, as placed; nothing is moved yet."""
-    slabs = tuple(slab_of(e, settings) for e in entities if e.is_layout)
+    things = [np.asarray(box_corners(e.box)) for e in entities if not e.is_layout]
+    above = np.concatenate([np.zeros((0, 3)), *things])
+    slabs = tuple(slab_of(e, settings, above) for e in entities if e.is_layout)
     bodies = tuple(
         _body(i, entities, graph, placements[i], library, settings)
         for i in range(len(entities))
