@@ -4,13 +4,26 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from .classes import class_named
-from .robot_model import RobotModel
+from .robot_model import RobotModel, merged_mesh
 from .types import Mesh, PlaneSet
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Handle:
+    """Where a hand moves a joint."""
+
+    joint: str
+    link: str
+    position: Float[np.ndarray, "3"]
+    """Link frame, metres."""
+    estimated: bool = False
+    """True: no handle was stated; it is the point of the link farthest from the joint."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -20,12 +33,11 @@ class CadModel:
     id: str
     """``<class>/<name>``, the folder below the library's root."""
     class_name: str
-    robot: RobotModel
-    """Root frame = canonical frame, joints closed at zero."""
+    load_robot: Callable[[], RobotModel]
+    """Reads links and joints; models of a large library are read only when they are used."""
+    moving_joints: tuple[str, ...]
     size: Float[np.ndarray, "3"]
     """Box with joints closed and handles left out, metres."""
-    mesh: Mesh
-    """All visuals in the canonical frame, joints closed."""
     planes: PlaneSet
     """[planes]: unpadded, canonical frame."""
     plane_link: tuple[str, ...]
@@ -37,10 +49,42 @@ class CadModel:
     """``floor``, ``surface``, ``wall`` or ``opening``."""
     licence: str
     content_hash: str
+    """Of its files: what is stored about a model is stored under it."""
+    handles: tuple[Handle, ...] = ()
+    """One for each moving joint."""
+    collision: str = "exact"
+    """How its hulls were made: ``exact`` (by construction), ``stated`` (by an imported file),
+    ``coacd``, ``vhacd`` (the fast stand-in), or ``none`` (not made yet)."""
+    swelling_m: float = 0.0
+    """How far the hulls reach beyond the surface at most."""
+    creator: str = "isr_jax"
+    source: str = "kit"
+    """Where it came from: ``kit``, or file and entry."""
+    notes: tuple[str, ...] = ()
+    """What was guessed or repaired when it was imported."""
+
+    @functools.cached_property
+    def robot(self) -> RobotModel:
+        """Links and joints; root frame = canonical frame, joints closed at zero."""
+        return self.load_robot()
+
+    @functools.cached_property
+    def mesh(self) -> Mesh:
+        """All visuals in the canonical frame, joints closed."""
+        return merged_mesh(self.robot)
 
     @property
     def articulated(self) -> bool:
-        return bool(self.robot.moving_joints)
+        return bool(self.moving_joints)
+
+
+def held(robot: RobotModel) -> Callable[[], RobotModel]:
+    """A ``load_robot`` for a robot model that is in memory already."""
+    return functools.partial(_same, robot)
+
+
+def _same(robot: RobotModel) -> RobotModel:
+    return robot
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

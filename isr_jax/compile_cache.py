@@ -3,15 +3,10 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import jax
 
-
-def user_cache_dir() -> Path:
-    """``$XDG_CACHE_HOME/isr_jax``, or ``~/.cache/isr_jax``."""
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "isr_jax"
+from .user_cache import user_cache_dir
 
 
 def enable_compilation_cache() -> None:

@@ -149,6 +149,8 @@ class Mesh:
     """RGB a vertex."""
     normals: Float[np.ndarray, "vertices 3"] | None = None
     """Unit, pointing out of the surface."""
+    uv: Float[np.ndarray, "faces 3 2"] | None = None
+    """Texture coordinates a face corner, so that faces with seams between them share vertices."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
-from isr_jax.cad_types import CadLibrary, CadModel
+from isr_jax.cad_types import CadLibrary, CadModel, held
 from isr_jax.classes import class_named
 from isr_jax.geometry.boxes import canonical_box
 from isr_jax.robot_model import Link, RobotModel, Visual
@@ -110,17 +112,13 @@ def parts_model(cad_id, class_name, parts, density=500.0, supporting_top=True) -
     planes = [box_planes(size, center) for size, center in parts]
     merged = PlaneSet(*(np.concatenate([getattr(p, f) for p in planes]) for f in
                         ("normal", "offset", "corners", "area_m2", "valid")))  # fmt: skip
-    offsets = np.cumsum([0, *(len(m.vertices) for m in meshes[:-1])])
     count = len(merged.offset)
     return CadModel(
         id=cad_id,
         class_name=class_name,
-        robot=RobotModel(cad_id.replace("/", "_"), (link,), ()),
+        load_robot=held(RobotModel(cad_id.replace("/", "_"), (link,), ())),
+        moving_joints=(),
         size=(high - low).astype(np.float32),
-        mesh=Mesh(
-            np.concatenate([m.vertices for m in meshes]),
-            np.concatenate([m.faces + o for m, o in zip(meshes, offsets, strict=True)]),
-        ),
         planes=merged,
         plane_link=("base",) * count,
         plane_supporting=merged.normal[:, 2] > 0.9 if supporting_top else np.zeros(count, bool),
@@ -129,6 +127,12 @@ def parts_model(cad_id, class_name, parts, density=500.0, supporting_top=True) -
         licence="MIT",
         content_hash=cad_id,
     )
+
+
+def with_robot(model: CadModel, robot: RobotModel) -> CadModel:
+    """The model with other links and joints, its box and planes kept."""
+    joints = tuple(joint.name for joint in robot.moving_joints)
+    return dataclasses.replace(model, load_robot=held(robot), moving_joints=joints)
 
 
 def table_model(cad_id="table/test", size=(1.2, 0.8, 0.74)) -> CadModel:

@@ -9,7 +9,7 @@ import numpy as np
 from isr_jax.cad_types import CadLibrary, CadModel
 from isr_jax.robot_model import Joint, Link, RobotModel, Visual
 
-from .builders import box_mesh, library_of, parts_model, table_model
+from .builders import box_mesh, library_of, parts_model, table_model, with_robot
 
 
 def block_model(cad_id: str, size: tuple[float, float, float]) -> CadModel:
@@ -45,15 +45,7 @@ def cabinet_model(cad_id: str = "cabinet/test", width: float = 0.6) -> CadModel:
     T[:3, 3] = [-width / 2, -y / 2 - 0.002, 0]
     axis = np.array([0.0, 0.0, 1.0])
     hinge = Joint("hinge", "revolute", "base", "door", T, axis, -1.6, 0.0)
-    meshes = [carcass.mesh, *(_moved(m, T) for m in (door, handle))]
-    starts = np.cumsum([0, *(len(m.vertices) for m in meshes[:-1])])
-    mesh = dataclasses.replace(
-        carcass.mesh,
-        vertices=np.concatenate([m.vertices for m in meshes]),
-        faces=np.concatenate([m.faces + s for m, s in zip(meshes, starts, strict=True)]),
-    )
-    robot = RobotModel("cabinet", (*carcass.robot.links, link), (hinge,))
-    return dataclasses.replace(carcass, robot=robot, mesh=mesh)
+    return with_robot(carcass, RobotModel("cabinet", (*carcass.robot.links, link), (hinge,)))
 
 
 def bookshelf_model(cad_id: str = "bookshelf/test") -> CadModel:
@@ -84,7 +76,3 @@ def furniture_library() -> CadLibrary:
         block_model("book/b", (0.17, 0.24, 0.05)),
         block_model("cup/a", (0.08, 0.08, 0.1)),
     )
-
-
-def _moved(mesh, T):
-    return dataclasses.replace(mesh, vertices=(mesh.vertices + T[:3, 3]).astype(np.float32))

@@ -27,6 +27,7 @@ from .builders import (
     rotation_z,
     scene_of,
     table_model,
+    with_robot,
 )
 
 
@@ -124,8 +125,7 @@ def cabinet_model(cad_id: str = "cabinet/doors") -> CadModel:
         ),
     )
     links = (*carcass.robot.links, _solid("door", door, 6.0), _solid("drawer", drawer, 4.0))
-    robot = RobotModel("cabinet", links, joints)
-    return dataclasses.replace(carcass, robot=robot)
+    return with_robot(carcass, RobotModel("cabinet", links, joints))
 
 
 def _board(low, high) -> Mesh:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import logging
-import os
-import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from ..cad_types import CadLibrary, CadModel
 from ..errors import LibraryError
+from ..user_cache import user_cache_dir
 from .kit.catalogue import KIT, make
 from .model_files import load_model, save_model
 
@@ -78,7 +77,7 @@ def default_library(progress: Progress | None = None) -> CadLibrary:
     """
     if _REPOSITORY_LIBRARY.is_dir():
         return load_library(_REPOSITORY_LIBRARY)
-    root = _cache_folder() / "cad_db" / _kit_hash()[:16]
+    root = user_cache_dir() / "cad_db" / _kit_hash()[:16]
     done = root / "complete"
     if not done.is_file():
         _LOG.warning("no cad_db beside the package: building %d CAD models in %s", len(KIT), root)
@@ -87,17 +86,6 @@ def default_library(progress: Progress | None = None) -> CadLibrary:
         return library
     _LOG.info("CAD library from the cache: %s", root)
     return load_library(root)
-
-
-def _cache_folder() -> Path:
-    """Where the platform keeps what can be made again."""
-    if os.environ.get("XDG_CACHE_HOME"):
-        return Path(os.environ["XDG_CACHE_HOME"]) / "isr_jax"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "isr_jax"
-    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
-        return Path(os.environ["LOCALAPPDATA"]) / "isr_jax"
-    return Path.home() / ".cache" / "isr_jax"
 
 
 def _kit_hash() -> str:

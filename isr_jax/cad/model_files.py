@@ -10,32 +10,16 @@ from typing import Any
 
 import numpy as np
 
-from ..cad_types import CadModel
+from ..cad_types import CadModel, held
 from ..classes import class_named
 from ..errors import ClassError, LibraryError, OutputError, SceneError
-from ..robot_model import RobotModel, link_transforms, read_urdf, urdf_files
+from ..robot_model import RobotModel, read_urdf, urdf_files
 from ..robot_model.obj import numbers
-from ..types import Array, Mesh, PlaneSet
+from ..types import Array, PlaneSet
 
 SCHEMA_VERSION = "1.0"
 MOUNTS = ("floor", "surface", "wall", "opening")
 SYMMETRIES = (0, 1, 2, 4)
-
-
-def merged_mesh(robot: RobotModel) -> Mesh:
-    """All visuals in the root frame, joints closed, coloured by their material."""
-    poses = link_transforms(robot)
-    vertices, faces, colors, count = [], [], [], 0
-    for link in robot.links:
-        T = poses[link.name]
-        for visual in link.visuals:
-            points = visual.mesh.vertices.astype(np.float64) @ T[:3, :3].T + T[:3, 3]
-            vertices.append(points.astype(np.float32))
-            faces.append(visual.mesh.faces + np.int32(count))
-            rgb = np.rint(255 * np.clip(visual.rgba[:3], 0, 1)).astype(np.uint8)
-            colors.append(np.tile(rgb, (len(points), 1)))
-            count += len(points)
-    return Mesh(np.concatenate(vertices), np.concatenate(faces), np.concatenate(colors))
 
 
 def model_files(model: CadModel) -> dict[str, bytes]:
@@ -144,9 +128,9 @@ def _model(record: dict, robot: RobotModel, folder: Path, cad_id: str) -> CadMod
     model = CadModel(
         id=cad_id,
         class_name=record["class"],
-        robot=robot,
+        load_robot=held(robot),
+        moving_joints=tuple(joint.name for joint in robot.moving_joints),
         size=np.array(record["size"], np.float32),
-        mesh=merged_mesh(robot),
         planes=PlaneSet(
             np.array([p["normal"] for p in planes], np.float32).reshape(-1, 3),
             np.array([p["offset"] for p in planes], np.float32),

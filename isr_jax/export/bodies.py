@@ -198,13 +198,13 @@ def stretched(link: Link, scale: np.ndarray) -> Link:
 
     det, I = float(np.prod(scale)), np.asarray(link.inertia, np.float64)
     moments = det * np.outer(scale, scale) * (np.trace(I) / 2 * np.eye(3) - I)
-    return Link(
-        link.name,
-        tuple(dataclasses.replace(v, mesh=mesh(v.mesh)) for v in link.visuals),
-        tuple(mesh(h) for h in link.hulls),
-        link.mass_kg * det,
-        np.asarray(link.com) * scale,
-        np.trace(moments) * np.eye(3) - moments,
+    return dataclasses.replace(
+        link,
+        visuals=tuple(dataclasses.replace(v, mesh=mesh(v.mesh)) for v in link.visuals),
+        hulls=tuple(mesh(h) for h in link.hulls),
+        mass_kg=link.mass_kg * det,
+        com=np.asarray(link.com) * scale,
+        inertia=np.trace(moments) * np.eye(3) - moments,
     )
 
 

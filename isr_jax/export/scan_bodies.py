@@ -67,8 +67,7 @@ def scan_robot(
     rgba = mean_color(visual)
     link = solid_link(entity.name, tuple(hulls), class_named(entity.class_name).density_kg_m3)
     seen = Visual("scan", recentred(visual, origin), rgba)
-    link = Link(link.name, (seen,), link.hulls, link.mass_kg, link.com, link.inertia)
-    return RobotModel(entity.name, (link,), ())
+    return RobotModel(entity.name, (dataclasses.replace(link, visuals=(seen,)),), ())
 
 
 def scan_hulls(

@@ -2,7 +2,8 @@
 
 from .inertia import combined_properties, solid_properties
 from .kinematics import joint_motion, link_transforms
-from .model import Joint, Link, RobotModel, Visual
+from .merged import merged_mesh
+from .model import Joint, Link, RobotModel, Texture, Visual
 from .primitives import as_box, box_between
 from .scale import scaled
 from .urdf import joint_element, read_urdf, robot_elements, urdf_files, write_urdf, xml_bytes
@@ -11,6 +12,7 @@ __all__ = [
     "Joint",
     "Link",
     "RobotModel",
+    "Texture",
     "Visual",
     "as_box",
     "box_between",
@@ -18,6 +20,7 @@ __all__ = [
     "joint_element",
     "joint_motion",
     "link_transforms",
+    "merged_mesh",
     "read_urdf",
     "robot_elements",
     "scaled",

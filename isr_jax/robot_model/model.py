@@ -13,13 +13,25 @@ from ..types import Mesh
 JointKind = Literal["fixed", "revolute", "continuous", "prismatic"]
 
 
+@dataclasses.dataclass(frozen=True)
+class Texture:
+    """An image for the ``uv`` of a mesh, as its file holds it."""
+
+    name: str
+    """File name with its ending, ``.png`` or ``.jpg``."""
+    content: bytes
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Visual:
-    """A mesh to look at, link frame, with one colour."""
+    """A mesh to look at, link frame, with one colour or a texture."""
 
     name: str
     mesh: Mesh
     rgba: tuple[float, float, float, float]
+    """With a texture: its mean colour, for what shows no textures."""
+    texture: Texture | None = None
+    """Needs ``mesh.uv``."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -35,6 +47,8 @@ class Link:
     """Centre of mass, link frame, metres."""
     inertia: Float[np.ndarray, "3 3"]
     """About the centre of mass, link axes, kg m^2."""
+    friction: float = 0.8
+    """Sliding friction of its surface, Coulomb, no unit."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -35,8 +35,8 @@ def _scaled_mesh(mesh: Mesh, alpha: float) -> Mesh:
 
 
 def _scaled_link(link: Link, alpha: float) -> Link:
-    return Link(
-        name=link.name,
+    return dataclasses.replace(
+        link,
         visuals=tuple(
             dataclasses.replace(v, mesh=_scaled_mesh(v.mesh, alpha)) for v in link.visuals
         ),

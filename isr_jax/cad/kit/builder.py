@@ -6,12 +6,12 @@ import dataclasses
 
 import numpy as np
 
-from ...cad_types import CadModel
+from ...cad_types import CadModel, held
 from ...classes import class_named
 from ...robot_model import Joint, Link, RobotModel, Visual, combined_properties, solid_properties
 from ...robot_model.model import JointKind
 from ...types import Mesh, PlaneSet
-from ..model_files import merged_mesh, with_content_hash
+from ..model_files import with_content_hash
 from .materials import Material
 from .solids import Solid, fan_triangles, rounded
 from .surfaces import Piece, Plane, model_planes
@@ -100,9 +100,9 @@ class ModelBuilder:
         model = CadModel(
             id=f"{self._class_name}/{self._name}",
             class_name=self._class_name,
-            robot=robot,
+            load_robot=held(robot),
+            moving_joints=tuple(joint.name for joint in robot.moving_joints),
             size=rounded(high - low),
-            mesh=merged_mesh(robot),
             planes=_plane_set(planes, center),
             plane_link=tuple(p.link for p in planes),
             plane_supporting=np.array([p.supporting for p in planes], bool),

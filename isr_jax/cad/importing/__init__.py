@@ -1,0 +1,1 @@
+"""Foreign CAD models, read and made into models of a library."""
