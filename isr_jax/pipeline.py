@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import logging
-import platform
 import time
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +22,10 @@ from . import (
 )
 from .cad import default_library, load_library
 from .cad_types import CadLibrary
-from .config import Settings, preset, settings_to_dict, settings_to_toml
-from .errors import FrameError, IsrError, OutputError, SegmenterError, SequenceError
+from .config import Settings, preset, settings_to_dict
+from .fusing import fuse
 from .reporter import LOGGER, Reporter, logged
+from .run_folder import RunFolder, versions
 from .scene_file import SceneFile
 from .stage_runner import STAGES, StageRunner
 from .store import StageStore
@@ -35,17 +33,11 @@ from .types import (
     Alignments,
     ContactGraph,
     Entities,
-    Frame,
-    FrameSegments,
     MappingResult,
     Placement,
     Sequence,
     Shortlist,
 )
-
-_TRIED_FRAMES = 5
-"""Of the frames that must be good, about so many are tried; the first with masks is enough."""
-_PACKAGES = ("jax", "jaxlib", "equinox", "optimistix", "numpy", "scipy", "trimesh", "mujoco")
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -195,90 +187,6 @@ def furnish(
     return Scene(found, graph, placements, library, settings)
 
 
-def fuse(
-    sequence: Sequence,
-    segmenter: segmentation.Segmenter,
-    settings: Settings,
-    runner: StageRunner,
-) -> MappingResult:
-    """Segment every frame and fuse it into one panoptic map; bad frames are skipped and counted."""
-    indices = _frame_indices(sequence, settings)
-    mapper, start, skipped = _resume(sequence, settings, runner)
-    if start == 0:
-        _try_segmenter(sequence, segmenter, indices, settings)
-    for done, (_, frame) in enumerate(datasets.prefetch(sequence, indices[start:]), start + 1):
-        try:
-            if isinstance(frame, FrameError):
-                raise frame
-            mapper.integrate(frame, _segment(frame, segmenter, settings))
-        except FrameError as error:
-            skipped.append(error.problem)
-            runner.reporter.note(f"frame skipped: {error.problem}")
-            _refuse_too_many(skipped, len(indices), settings, error)
-        every = settings.mapping.checkpoint_every
-        if every and done % every == 0 and done < len(indices):
-            runner.checkpoint("mapping", mapper.save, {"done": done, "skipped": skipped})
-        runner.reporter.progress("mapping", done, len(indices))
-    used = len(indices) - len(skipped)
-    return MappingResult(mapper.surface(), used, tuple(skipped))
-
-
-def _try_segmenter(
-    sequence: Sequence, segmenter: segmentation.Segmenter, indices: list[int], settings: Settings
-) -> None:
-    """Stop before the first frame is fused where no sampled frame has masks."""
-    failed, good = None, (1 - settings.input.max_bad_fraction) * len(indices)
-    for index in indices[:: max(1, int(good) // _TRIED_FRAMES)]:
-        try:
-            frame = sequence[index]
-        except FrameError:
-            continue  # it is skipped and counted when its turn comes
-        try:
-            segmenter(frame)
-        except FrameError as error:
-            failed = failed or error
-        else:
-            return
-    if failed is not None:
-        raise SegmenterError(f"no sampled frame has masks: {failed.problem}", failed.hint)
-
-
-def _segment(frame: Frame, segmenter: segmentation.Segmenter, settings: Settings) -> FrameSegments:
-    return segmentation.segment_frame(
-        frame,
-        segmenter(frame),
-        settings.segmentation,
-        bilateral=settings.mapping.fusion != "voxblox++",
-    )
-
-
-def _frame_indices(sequence: Sequence, settings: Settings) -> list[int]:
-    indices = list(range(0, len(sequence), settings.input.stride))
-    return indices[: settings.input.max_frames or None]
-
-
-def _resume(
-    sequence: Sequence, settings: Settings, runner: StageRunner
-) -> tuple[mapping.PanopticMapper, int, list[str]]:
-    """A fresh mapper, or the one that a killed run left behind."""
-    found = runner.resume("mapping")
-    if found is None:
-        return mapping.PanopticMapper(sequence.camera, settings.mapping), 0, []
-    path, state = found
-    mapper = mapping.PanopticMapper.load(path)
-    runner.reporter.note(f"mapping resumes after {state['done']} frames")
-    return mapper, state["done"], list(state["skipped"])
-
-
-def _refuse_too_many(skipped: list[str], total: int, settings: Settings, last: FrameError) -> None:
-    if len(skipped) > settings.input.max_bad_fraction * total:
-        raise SequenceError(
-            f"{len(skipped)} of {total} frames cannot be read; the last: {last.problem}",
-            "mend the sequence (`isr inspect` lists what is wrong), "
-            "or raise input.max_bad_fraction",
-        )
-
-
 @dataclasses.dataclass(frozen=True, eq=False)
 class RunResult:
     """What a run wrote."""
@@ -321,7 +229,7 @@ def run(
     settings = settings or preset("default")
     out_dir = Path(out_dir)
     reporter = logged(reporter)
-    with _output(out_dir, settings):
+    with RunFolder(out_dir, settings):
         models = load_library(Path(library)) if library else default_library()
         sequence = datasets.open_sequence(Path(sequence_dir), settings.input)
         masks = segmentation.open_segmenter(
@@ -359,38 +267,4 @@ def _draw(scene: Scene, out_dir: Path) -> None:
         drawing.draw_mesh(painted, out_dir / "map" / "panoptic.png")
 
 
-def versions() -> dict[str, str]:
-    """Versions of this package and of those whose numbers it depends on."""
-    found = {name: version(name) for name in _PACKAGES}
-    return {"isr_jax": version("isr_jax"), "python": platform.python_version(), **found}
-
-
-class _output:
-    """The output folder of a run: made, tried for writing, its log open while the run lasts."""
-
-    def __init__(self, out_dir: Path, settings: Settings) -> None:
-        self._dir, self._settings = out_dir, settings
-
-    def __enter__(self) -> None:
-        try:
-            self._dir.mkdir(parents=True, exist_ok=True)
-            (self._dir / "config.toml").write_text(settings_to_toml(self._settings), "utf-8")
-            self._handler = logging.FileHandler(self._dir / "run.log", encoding="utf-8")
-        except OSError as error:
-            raise OutputError(
-                f"cannot write to {self._dir}: {error.strerror}", "give another --out"
-            ) from None
-        self._handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s"))
-        LOGGER.addHandler(self._handler)
-        LOGGER.setLevel(min(LOGGER.level or logging.INFO, logging.INFO))
-
-    def __exit__(self, kind: type | None, error: BaseException | None, _: object) -> None:
-        if error is not None:
-            foreseen = isinstance(error, IsrError | KeyboardInterrupt)
-            said = str(error) or type(error).__name__
-            LOGGER.error("stopped: %s", said, exc_info=None if foreseen else error)
-        LOGGER.removeHandler(self._handler)
-        self._handler.close()
-
-
-__all__ = ["STAGES", "RunResult", "Scene", "finish", "furnish", "fuse", "reconstruct", "run"]
+__all__ = ["STAGES", "RunResult", "Scene", "finish", "furnish", "reconstruct", "run"]

@@ -28,7 +28,17 @@ STAGES = {
     "synthetic",
     "viewer",
 }
-COMPOSERS = {"pipeline", "sweep", "cli", "demonstration", "summary", "__init__", "__main__"}
+COMPOSERS = {
+    "pipeline",
+    "fusing",
+    "sweep",
+    "cli",
+    "cli_cad",
+    "demonstration",
+    "summary",
+    "__init__",
+    "__main__",
+}
 """The only modules that may import stages."""
 
 

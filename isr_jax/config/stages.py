@@ -1,66 +1,18 @@
-"""Settings: every number of the pipeline, with its unit, default, bound and one line of meaning.
+"""The settings of each stage.
 
-Presets are values of `Settings`. Numbers that only scale things are passed to kernels as arrays;
-those that set shapes are marked ``static`` and recompile when they change.
+Numbers that only scale things are passed to kernels as arrays; those that set shapes are marked
+``static`` and recompile when they change.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import tomllib
-from pathlib import Path
-from typing import Any
 
-from .errors import SettingError
-
-
-def setting(
-    default: Any,
-    help: str,
-    *,
-    unit: str = "",
-    low: float | int | None = None,
-    high: float | int | None = None,
-    choices: tuple[str, ...] = (),
-    static: bool = False,
-) -> Any:
-    """A dataclass field that knows its unit, bounds and meaning."""
-    metadata = {
-        "help": help,
-        "unit": unit,
-        "low": low,
-        "high": high,
-        "choices": choices,
-        "static": static,
-    }
-    return dataclasses.field(default=default, metadata=metadata)
-
-
-class _Checked:
-    """Checks every field against its bounds where the settings are made."""
-
-    def __post_init__(self) -> None:
-        for field in dataclasses.fields(self):  # type: ignore[arg-type]
-            _check_field(type(self).__name__, field, getattr(self, field.name))
-
-
-def _check_field(owner: str, field: dataclasses.Field, value: Any) -> None:
-    low, high = field.metadata.get("low"), field.metadata.get("high")
-    choices = field.metadata.get("choices")
-    name = f"{owner}.{field.name}"
-    if choices and value not in choices:
-        raise SettingError(f"{name} = {value!r}", f"use one of: {', '.join(choices)}")
-    if (low is not None and not value >= low) or (high is not None and not value <= high):
-        unit = field.metadata["unit"]
-        raise SettingError(
-            f"{name} = {value!r} {unit} is out of bounds",
-            f"keep it between {low if low is not None else '-inf'} and "
-            f"{high if high is not None else 'inf'} {unit}".rstrip(),
-        )
+from .fields import Checked, setting
 
 
 @dataclasses.dataclass(frozen=True)
-class InputSettings(_Checked):
+class InputSettings(Checked):
     """Which frames are read, and which depth is believed."""
 
     stride: int = setting(1, "use every n-th frame", low=1)
@@ -73,7 +25,7 @@ class InputSettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class SegmentationSettings(_Checked):
+class SegmentationSettings(Checked):
     """Per-frame segmentation: depth segments, and their fusion with masks."""
 
     normal_window: int = setting(
@@ -132,7 +84,7 @@ class SegmentationSettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class MappingSettings(_Checked):
+class MappingSettings(Checked):
     """Voxel fusion and label fusion."""
 
     fusion: str = setting(
@@ -189,7 +141,7 @@ class MappingSettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class EntitySettings(_Checked):
+class EntitySettings(Checked):
     """Map to entities: meshes, boxes, planes, layout."""
 
     min_vertices: int = setting(60, "instances with fewer mesh vertices are dropped", low=3)
@@ -254,7 +206,7 @@ class EntitySettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class ContactGraphSettings(_Checked):
+class ContactGraphSettings(Checked):
     """Supports and proximal pairs."""
 
     up_cosine: float = setting(0.9, "a supporting plane has n . g <= -this", low=0.0, high=1.0)
@@ -314,7 +266,19 @@ class ContactGraphSettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class MatchingSettings(_Checked):
+class CadSettings(Checked):
+    """How imported models without collision hulls get them. Models of the kit have theirs."""
+
+    candidate_hulls: str = setting(
+        "vhacd", "of the models that may be chosen: many, so fast", choices=("coacd", "vhacd")
+    )
+    chosen_hulls: str = setting(
+        "coacd", "of the models that a scene is written with", choices=("coacd", "vhacd")
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class MatchingSettings(Checked):
     """The matching distance D(x, y) and the shortlist."""
 
     weight_size: float = setting(1.0, "of d_s", low=0.0)
@@ -342,7 +306,7 @@ class MatchingSettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class AlignmentSettings(_Checked):
+class AlignmentSettings(Checked):
     """Levenberg-Marquardt over scale, yaw and horizontal position."""
 
     weight_support: float = setting(8.0, "of heights of supporting planes, 1/m", low=0.0)
@@ -372,7 +336,7 @@ class AlignmentSettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class PhysicalCheckSettings(_Checked):
+class PhysicalCheckSettings(Checked):
     """Which candidates stand together."""
 
     min_contact: float = setting(
@@ -417,7 +381,7 @@ class PhysicalCheckSettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class ExportSettings(_Checked):
+class ExportSettings(Checked):
     """What is written, and the contact model of the MJCF."""
 
     timestep_s: float = setting(0.002, "of MuJoCo", unit="s", low=1e-4, high=0.02)
@@ -436,7 +400,7 @@ class ExportSettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class StabilitySettings(_Checked):
+class StabilitySettings(Checked):
     """ISR-Stab."""
 
     duration_s: float = setting(5.0, "simulated time", unit="s", low=0.1)
@@ -446,7 +410,7 @@ class StabilitySettings(_Checked):
 
 
 @dataclasses.dataclass(frozen=True)
-class NoiseModel(_Checked):
+class NoiseModel(Checked):
     """A structured-light depth camera (`synthetic.sensor_depth` has the equations)."""
 
     axial_m: float = setting(0.0012, "axial sigma at 0.4 m", unit="m", low=0.0)
@@ -480,178 +444,9 @@ class Settings:
     mapping: MappingSettings = dataclasses.field(default_factory=MappingSettings)
     entities: EntitySettings = dataclasses.field(default_factory=EntitySettings)
     contact_graph: ContactGraphSettings = dataclasses.field(default_factory=ContactGraphSettings)
+    cad: CadSettings = dataclasses.field(default_factory=CadSettings)
     matching: MatchingSettings = dataclasses.field(default_factory=MatchingSettings)
     alignment: AlignmentSettings = dataclasses.field(default_factory=AlignmentSettings)
     physical_check: PhysicalCheckSettings = dataclasses.field(default_factory=PhysicalCheckSettings)
     export: ExportSettings = dataclasses.field(default_factory=ExportSettings)
     stability: StabilitySettings = dataclasses.field(default_factory=StabilitySettings)
-
-
-_PAPER = Settings(
-    preset="paper",
-    mapping=MappingSettings(
-        label_band_voxels=4.0,
-        carve=False,
-        share_labels=False,
-        instance_condition="class",
-        instance_merge_min=10,
-        instance_min_frames=1,
-        regulate_classes=False,
-        mesh_max_jump_voxels=20.0,
-    ),
-    entities=EntitySettings(
-        wall_min_top_m=0.0,
-        box_trim=0.0,
-        box_normal_weight=0.0,
-        piece_min_ratio=0.0,
-        min_coverage=0.0,
-        merge_inside_ratio=2.0,
-        hung_min_bottom_m=float("inf"),
-        plane_min_area_m2=0.0,
-        board_min_area_m2=float("inf"),
-    ),
-    contact_graph=ContactGraphSettings(
-        rim_voxels=1.0,
-        min_score=0.2,
-        max_gap_m=1.0,
-        max_gap_mounted_m=1.0,
-        max_sink_m=1.0,
-        layout_whole_polygon=False,
-        layout_margin_m=0.0,
-        attach_distance_mounted_m=0.1,
-        inside_furniture=False,
-    ),
-    matching=MatchingSettings(
-        weight_upright=0.2,
-        weight_wall=0.0,
-        unmatched_cost=float("inf"),
-        merge_symmetric=False,
-        turned_models=0,
-    ),
-    alignment=AlignmentSettings(
-        weight_scale=0.0,
-        slide_hidden_m=float("inf"),
-        normal_residual="paper",
-        scale_min=0.5,
-        scale_max=2.0,
-        prior_weight=0.01,
-        max_steps=512,
-    ),
-    physical_check=PhysicalCheckSettings(
-        max_alignment_error_m=0.15,
-        max_nudge_m=0.0,
-        child_height_tolerance_m=10.0,
-        matching_weight_m=0.0,
-        scale_weight_m=0.0,
-    ),
-)
-PRESETS: dict[str, Settings] = {
-    "default": Settings(),
-    "paper": _PAPER,
-    "voxblox++": Settings(
-        preset="voxblox++",
-        mapping=MappingSettings(
-            fusion="voxblox++",
-            label_band_voxels=4.0,
-            carve=False,
-            instance_min_frames=1,
-        ),
-    ),
-}
-"""``paper``: the paper's numbers, its gaps filled as its released code fills them.
-``voxblox++``: the mapping baseline: masks label depth segments, pair counts, no regulation."""
-
-
-def preset(name: str) -> Settings:
-    """Settings by name: ``default``, ``paper`` or ``voxblox++``."""
-    if name not in PRESETS:
-        raise SettingError(f"unknown preset {name!r}", f"use one of: {', '.join(PRESETS)}")
-    return PRESETS[name]
-
-
-def with_overrides(settings: Settings, overrides: list[str]) -> Settings:
-    """Settings with ``section.name=value`` changes applied.
-
-    Raises:
-        SettingError: unknown section or name, a value of another type, or out of its bounds.
-    """
-    for override in overrides:
-        path, equals, text = override.partition("=")
-        section, dot, name = path.strip().partition(".")
-        if not equals or not dot:
-            raise SettingError(
-                f"{override!r} is not a setting",
-                "write it as section.name=value: mapping.voxel_size_m=0.01",
-            )
-        settings = _with_value(settings, section, name, text.strip())
-    return settings
-
-
-def _with_value(settings: Settings, section: str, name: str, text: str) -> Settings:
-    sections = {f.name for f in dataclasses.fields(settings)} - {"preset"}
-    if section not in sections:
-        raise SettingError(
-            f"unknown section {section!r}", f"use one of: {', '.join(sorted(sections))}"
-        )
-    stage = getattr(settings, section)
-    fields = {f.name: f for f in dataclasses.fields(stage)}
-    if name not in fields:
-        raise SettingError(
-            f"unknown setting {section}.{name}", f"use one of: {', '.join(sorted(fields))}"
-        )
-    value = _parse(text, type(getattr(stage, name)), f"{section}.{name}")
-    return dataclasses.replace(settings, **{section: dataclasses.replace(stage, **{name: value})})
-
-
-def _parse(text: str, kind: type, name: str) -> Any:
-    readers = {bool: {"true": True, "false": False}.__getitem__}
-    try:
-        return readers.get(kind, kind)(text.lower() if kind is bool else text)
-    except (KeyError, ValueError):
-        raise SettingError(f"{name} = {text!r}", f"give a {kind.__name__}") from None
-
-
-def settings_to_toml(settings: Settings) -> str:
-    """All settings as TOML, a table a stage, each with its meaning and unit."""
-    lines = [f"preset = {_toml(settings.preset)}"]
-    for section in dataclasses.fields(settings):
-        if section.name == "preset":
-            continue
-        stage = getattr(settings, section.name)
-        lines += ["", f"[{section.name}]"]
-        for field in dataclasses.fields(stage):
-            unit = field.metadata["unit"]
-            meaning = field.metadata["help"] + (f" [{unit}]" if unit else "")
-            lines.append(f"{field.name} = {_toml(getattr(stage, field.name))}  # {meaning}")
-    return "\n".join(lines) + "\n"
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f'"{value}"' if isinstance(value, str) else repr(value)
-
-
-def settings_from_toml(path: Path) -> Settings:
-    """Read what `settings_to_toml` wrote; what a file leaves out keeps its preset's value."""
-    try:
-        data = tomllib.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise SettingError(f"{path}: {error.strerror}", "give a config.toml") from None
-    except tomllib.TOMLDecodeError as error:
-        raise SettingError(f"{path} is not TOML: {error}", "mend that line") from None
-    settings = preset(str(data.pop("preset", "default")))
-    for section, values in data.items():
-        if not isinstance(values, dict):
-            raise SettingError(
-                f"{path}: {section} stands outside a section", "put it below its [section]"
-            )
-        for name, value in values.items():
-            text = str(value).lower() if isinstance(value, bool) else str(value)
-            settings = _with_value(settings, section, name, text)
-    return settings
-
-
-def settings_to_dict(settings: Settings) -> dict[str, Any]:
-    """Nested plain data, for scene.json."""
-    return dataclasses.asdict(settings)

@@ -1,0 +1,46 @@
+"""Settings: every number of the pipeline, with its unit, default, bound and one line of meaning.
+
+Presets are values of `Settings`; the resolved settings are saved beside every result.
+"""
+
+from .fields import setting
+from .presets import PRESETS, preset
+from .stages import (
+    AlignmentSettings,
+    CadSettings,
+    ContactGraphSettings,
+    EntitySettings,
+    ExportSettings,
+    InputSettings,
+    MappingSettings,
+    MatchingSettings,
+    NoiseModel,
+    PhysicalCheckSettings,
+    SegmentationSettings,
+    Settings,
+    StabilitySettings,
+)
+from .text import settings_from_toml, settings_to_dict, settings_to_toml, with_overrides
+
+__all__ = [
+    "PRESETS",
+    "AlignmentSettings",
+    "CadSettings",
+    "ContactGraphSettings",
+    "EntitySettings",
+    "ExportSettings",
+    "InputSettings",
+    "MappingSettings",
+    "MatchingSettings",
+    "NoiseModel",
+    "PhysicalCheckSettings",
+    "SegmentationSettings",
+    "Settings",
+    "StabilitySettings",
+    "preset",
+    "setting",
+    "settings_from_toml",
+    "settings_to_dict",
+    "settings_to_toml",
+    "with_overrides",
+]

@@ -1,0 +1,95 @@
+"""Named settings: ours, the paper's, and the mapping baseline."""
+
+from __future__ import annotations
+
+from ..errors import SettingError
+from .stages import (
+    AlignmentSettings,
+    ContactGraphSettings,
+    EntitySettings,
+    MappingSettings,
+    MatchingSettings,
+    PhysicalCheckSettings,
+    Settings,
+)
+
+_PAPER = Settings(
+    preset="paper",
+    mapping=MappingSettings(
+        label_band_voxels=4.0,
+        carve=False,
+        share_labels=False,
+        instance_condition="class",
+        instance_merge_min=10,
+        instance_min_frames=1,
+        regulate_classes=False,
+        mesh_max_jump_voxels=20.0,
+    ),
+    entities=EntitySettings(
+        wall_min_top_m=0.0,
+        box_trim=0.0,
+        box_normal_weight=0.0,
+        piece_min_ratio=0.0,
+        min_coverage=0.0,
+        merge_inside_ratio=2.0,
+        hung_min_bottom_m=float("inf"),
+        plane_min_area_m2=0.0,
+        board_min_area_m2=float("inf"),
+    ),
+    contact_graph=ContactGraphSettings(
+        rim_voxels=1.0,
+        min_score=0.2,
+        max_gap_m=1.0,
+        max_gap_mounted_m=1.0,
+        max_sink_m=1.0,
+        layout_whole_polygon=False,
+        layout_margin_m=0.0,
+        attach_distance_mounted_m=0.1,
+        inside_furniture=False,
+    ),
+    matching=MatchingSettings(
+        weight_upright=0.2,
+        weight_wall=0.0,
+        unmatched_cost=float("inf"),
+        merge_symmetric=False,
+        turned_models=0,
+    ),
+    alignment=AlignmentSettings(
+        weight_scale=0.0,
+        slide_hidden_m=float("inf"),
+        normal_residual="paper",
+        scale_min=0.5,
+        scale_max=2.0,
+        prior_weight=0.01,
+        max_steps=512,
+    ),
+    physical_check=PhysicalCheckSettings(
+        max_alignment_error_m=0.15,
+        max_nudge_m=0.0,
+        child_height_tolerance_m=10.0,
+        matching_weight_m=0.0,
+        scale_weight_m=0.0,
+    ),
+)
+PRESETS: dict[str, Settings] = {
+    "default": Settings(),
+    "paper": _PAPER,
+    "voxblox++": Settings(
+        preset="voxblox++",
+        mapping=MappingSettings(
+            fusion="voxblox++",
+            label_band_voxels=4.0,
+            carve=False,
+            instance_min_frames=1,
+        ),
+    ),
+}
+"""``paper``: the paper's numbers, its gaps filled as its released code fills them.
+``voxblox++``: the mapping baseline: masks label depth segments, pair counts, no regulation."""
+
+
+def preset(name: str) -> Settings:
+    """Settings by name: ``default``, ``paper`` or ``voxblox++``."""
+    if name not in PRESETS:
+        raise SettingError(f"unknown preset {name!r}", f"use one of: {', '.join(PRESETS)}")
+    return PRESETS[name]
