@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from .cad_arrays import LibraryArrays, library_arrays
 from .classes import class_named
+from .geometry.surface_samples import SurfaceSamples, surface_samples
 from .robot_model import RobotModel, merged_mesh
 from .types import Mesh, PlaneSet
 
@@ -62,6 +65,13 @@ class CadModel:
     """Where it came from: ``kit``, or file and entry."""
     notes: tuple[str, ...] = ()
     """What was guessed or repaired when it was imported."""
+    load_samples: Callable[[], SurfaceSamples] | None = None
+    """Reads `samples` that were made before; None: they are made from the mesh. Who replaces
+    ``load_robot`` replaces this too."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For other processes: what was read from files is read again there, when it is used."""
+        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
 
     @functools.cached_property
     def robot(self) -> RobotModel:
@@ -72,6 +82,13 @@ class CadModel:
     def mesh(self) -> Mesh:
         """All visuals in the canonical frame, joints closed."""
         return merged_mesh(self.robot)
+
+    @functools.cached_property
+    def samples(self) -> SurfaceSamples:
+        """Points spread evenly over the mesh, canonical frame, joints closed."""
+        if self.load_samples is not None:
+            return self.load_samples()
+        return surface_samples(self.mesh.vertices, self.mesh.faces)
 
     @property
     def articulated(self) -> bool:
@@ -103,6 +120,16 @@ class CadLibrary:
         return self.models[index]
 
     @functools.cached_property
+    def arrays(self) -> LibraryArrays:
+        """Boxes and planes of all models, padded for kernels."""
+        return library_arrays(
+            [model.size for model in self.models],
+            [model.planes for model in self.models],
+            [model.plane_supporting for model in self.models],
+            [model.symmetry for model in self.models],
+        )
+
+    @functools.cached_property
     def _by_group(self) -> dict[str, np.ndarray]:
         groups: dict[str, list[int]] = {}
         for i, model in enumerate(self.models):
@@ -113,8 +140,18 @@ class CadLibrary:
         """Positions of the models that may stand for an entity of this class."""
         return self._by_group.get(class_named(class_name).match_group, np.zeros(0, np.int32))
 
+    def position(self, cad_id: str) -> int:
+        return self._positions[cad_id]
+
     def by_id(self, cad_id: str) -> CadModel:
         return self.models[self._positions[cad_id]]
+
+    def replaced(self, models: Mapping[int, CadModel]) -> CadLibrary:
+        """The library with other forms of the models at these positions: of the same files, with
+        collision hulls that they came without."""
+        return dataclasses.replace(
+            self, models=tuple(models.get(i, model) for i, model in enumerate(self.models))
+        )
 
     @functools.cached_property
     def _positions(self) -> dict[str, int]:

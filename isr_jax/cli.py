@@ -9,17 +9,11 @@ from typing import Annotated
 
 import tyro
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeElapsedColumn,
-    TimeRemainingColumn,
-)
 
+from .cli_cad import cad
 from .compile_cache import enable_compilation_cache
 from .config import Settings, preset, settings_from_toml, with_overrides
+from .console import ConsoleReporter
 from .errors import IsrError
 
 app = tyro.extras.SubcommandApp()
@@ -43,40 +37,6 @@ class SettingsOptions:
 
 
 Options = Annotated[SettingsOptions, tyro.conf.arg(name="")]
-
-
-class ConsoleReporter:
-    """Progress bars with time left; stages and notes as lines."""
-
-    def __init__(self, console: Console) -> None:
-        self._progress = Progress(
-            TextColumn("{task.description:>14}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
-            console=console,
-        )
-        self._tasks: dict[str, int] = {}
-
-    def __enter__(self) -> ConsoleReporter:
-        self._progress.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._progress.stop()
-
-    def stage(self, name: str, reused: bool) -> None:
-        self._progress.console.print(f"[bold]{name}[/]" + ("  (stored result)" if reused else ""))
-
-    def progress(self, name: str, done: int, total: int) -> None:
-        if name not in self._tasks:
-            self._tasks[name] = self._progress.add_task(name, total=total)
-        self._progress.update(self._tasks[name], completed=done, total=total)  # type: ignore[arg-type]
-
-    def note(self, text: str) -> None:
-        self._progress.console.print(f"[yellow]note:[/] {text}")
 
 
 @app.command
@@ -219,50 +179,7 @@ def view(result: Positional[Path], port: int = 8080) -> None:
     show(result, port=port)
 
 
-@dataclass(frozen=True)
-class CadBuild:
-    """Write the kit of CAD models; the same bytes every time.
-
-    Example: isr cad build --out cad_db
-    """
-
-    out: Path = Path("cad_db")
-    """Folder for the models."""
-
-
-@dataclass(frozen=True)
-class CadList:
-    """List the models of a library.
-
-    Example: isr cad list cad_db
-    """
-
-    library: Positional[Path | None] = None
-    """Folder of CAD models; the built-in kit if left out."""
-
-
-@app.command
-def cad(
-    action: Annotated[
-        Annotated[CadBuild, tyro.conf.subcommand("build")]
-        | Annotated[CadList, tyro.conf.subcommand("list")],
-        tyro.conf.arg(name=""),
-    ],
-) -> None:
-    """Build or list CAD libraries.
-
-    Example: isr cad list
-    """
-    from .cad import build_library, default_library, load_library
-    from .summary import library_table
-
-    if isinstance(action, CadBuild):
-        with ConsoleReporter(Console()) as reporter:
-            built = build_library(action.out, progress=lambda d, t: reporter.progress("cad", d, t))
-        Console().print(f"{len(built)} models in {action.out}")
-    else:
-        found = load_library(action.library) if action.library else default_library()
-        Console().print(library_table(found))
+app.command(cad)
 
 
 def main() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,8 @@ from . import (
     segmentation,
     stability,
 )
-from .cad import default_library, load_library
+from .cad import default_library, open_library
+from .cad.collision import with_hulls
 from .cad_types import CadLibrary
 from .config import Settings, preset, settings_to_dict
 from .fusing import fuse
@@ -168,6 +170,7 @@ def furnish(
             [found], [graph], [shortlist], library, settings.alignment
         )[0],
     )
+    tried = with_hulls_at(library, shortlist.model, settings.cad.candidate_hulls, runner.reporter)
     placements = runner.run(
         "physical_check",
         physical_check.VERSION,
@@ -178,13 +181,32 @@ def furnish(
             "shortlist": shortlist,
             "alignments": aligned,
             "library": models,
+            "hulls": settings.cad.candidate_hulls,
         },
         tuple,
         lambda: physical_check.check(
-            found, graph, shortlist, aligned, library, settings.physical_check
+            found, graph, shortlist, aligned, tried, settings.physical_check
         ),
     )
-    return Scene(found, graph, placements, library, settings)
+    chosen = [tried.position(p.cad_id) for p in placements if p.cad_id is not None]
+    final = with_hulls_at(tried, chosen, settings.cad.chosen_hulls, runner.reporter)
+    return Scene(found, graph, placements, final, settings)
+
+
+def with_hulls_at(
+    library: CadLibrary, positions: Iterable[int], method: str, reporter: Reporter
+) -> CadLibrary:
+    """The library, its imported models at these positions with collision hulls."""
+    wanted = sorted({int(i) for i in positions})
+    models = [library[i] for i in wanted]
+    ready = with_hulls(models, method, progress=lambda d, t: reporter.progress("hulls", d, t))
+    for old, new in zip(models, ready):
+        if new is not old:
+            reporter.note(
+                f"{new.id}: collision hulls by {new.collision}, which reach "
+                f"{1000 * new.swelling_m:.1f} mm beyond its surface at most"
+            )
+    return library.replaced(dict(zip(wanted, ready)))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -217,7 +239,7 @@ def run(
         sequence_dir: A folder in a layout that `open_sequence` knows.
         out_dir: Where results go; created.
         segmenter: As in `open_segmenter`.
-        library: A folder of CAD models; by default the package's own.
+        library: A folder of CAD models, or several joined by ``+``; by default the package's own.
         settings: By default the preset ``default``.
         start_from: Compute this stage (`stage_runner.STAGES`) and all after it anew.
         reporter: Receives progress.
@@ -230,7 +252,7 @@ def run(
     out_dir = Path(out_dir)
     reporter = logged(reporter)
     with RunFolder(out_dir, settings):
-        models = load_library(Path(library)) if library else default_library()
+        models = open_library(library) if library else default_library()
         sequence = datasets.open_sequence(Path(sequence_dir), settings.input)
         masks = segmentation.open_segmenter(
             segmenter, Path(sequence_dir), settings=settings.segmentation

@@ -7,7 +7,6 @@ from pathlib import Path
 from rich.console import RenderableType
 from rich.table import Table
 
-from .cad_types import CadLibrary
 from .evaluation import EvaluationReport
 from .pipeline import RunResult
 from .scene_file import EntityRecord, SceneFile
@@ -109,16 +108,3 @@ def _outputs(out_dir: Path) -> list[tuple[str, str]]:
         ("URDF", str(out_dir / "scene_description" / "urdf" / "scene.urdf")),
         ("look at it", f"isr view {out_dir}"),
     ]
-
-
-def library_table(library: CadLibrary) -> Table:
-    """A row a model."""
-    table = Table(title=f"{len(library)} models in {library.source}", title_justify="left")
-    for heading in ("model", "width x depth x height", "moving joints", "mass", "mount", "licence"):
-        table.add_column(heading)
-    for model in library.models:
-        size = " x ".join(f"{100 * float(v):.0f}" for v in model.size) + " cm"
-        joints = str(len(model.robot.moving_joints) or "")
-        mass = f"{model.robot.mass_kg:.2f} kg"
-        table.add_row(model.id, size, joints, mass, model.mount, model.licence)
-    return table

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+import io
+import json
 import re
 import shutil
 
@@ -16,13 +19,14 @@ from isr_jax.config import ExportSettings
 from isr_jax.errors import OutputError, SceneError
 from isr_jax.export import export_scene
 from isr_jax.export.bodies import scene_bodies, slab_of, stretched
+from isr_jax.export.glb import GlbFile, linear_of_srgb
 from isr_jax.export.verify import verify_exports
 from isr_jax.geometry import box_corners
-from isr_jax.robot_model import solid_properties
+from isr_jax.robot_model import RobotModel, Texture, Visual, box_between, solid_properties
 from isr_jax.scene_file import read_scene
 from isr_jax.types import UNSUPPORTED
 
-from .builders import box_entity, floor_entity, library_of, scene_of
+from .builders import box_entity, floor_entity, library_of, scene_of, with_robot
 from .physics_scenes import (
     cabinet_model,
     cube_model,
@@ -33,6 +37,7 @@ from .physics_scenes import (
     placed,
     table_model,
 )
+from .test_robot_model_urdf import png
 
 POSE = 1e-5  # what export promises
 TOUCH_M = 1e-4  # start of a settled scene: contact, not overlap
@@ -117,11 +122,87 @@ def test_glb_is_y_up_and_keeps_names_and_colors(exported):
     T = glb.graph.get("table_3")[0]
     assert np.allclose(T[:3, 3], [0, 0.37, 0], atol=POSE)  # z of the world is y here
     assert {"floor_1", "cup_4", "cabinet_6", "cabinet_6_door"} <= set(glb.graph.nodes)
-    material = glb.geometry["table_3_visual_0"].visual.material
-    assert np.allclose(material.baseColorFactor[:3], np.round(255 * np.array([0.7, 0.6, 0.5])))
     scan = glb.geometry["chair_5"].visual
-    assert np.all(scan.vertex_attributes["color"][:, :3] == 128)
+    linear = 65535 * linear_of_srgb(np.array(128 / 255))
+    assert np.all(scan.vertex_attributes["color"][:, :3] == np.rint(linear))
     assert scan.material.metallicFactor == 0.0  # glTF's default is metal, shown black
+
+
+def glb_of(*shown) -> tuple[dict, bytes, trimesh.Scene]:
+    """A node each for (mesh, rgba, texture): the JSON, the bytes, and what trimesh reads."""
+    file = GlbFile()
+    for i, (mesh, rgba, texture) in enumerate(shown):
+        file.set_mesh(file.add_node(f"n{i}", None, np.eye(4)), mesh, rgba, texture, 0.5)
+    content = file.content()
+    length = int.from_bytes(content[12:16], "little")
+    assert len(content) % 4 == 0 and int.from_bytes(content[8:12], "little") == len(content)
+    scene = trimesh.load_scene(io.BytesIO(content), file_type="glb")
+    return json.loads(content[20 : 20 + length]), content, scene
+
+
+def test_glb_colors_are_linear():
+    mesh = box_between(np.zeros(3), np.ones(3))
+    tree, _, _ = glb_of((mesh, (0.5, 0.04045, 1.0, 0.25), None))
+    material = tree["materials"][0]
+    factor = material["pbrMetallicRoughness"]["baseColorFactor"]
+    # IEC 61966-2-1: ((0.5 + 0.055) / 1.055)^2.4, and the end of its straight part
+    assert np.allclose(factor, [0.214041, 0.04045 / 12.92, 1.0, 0.25], atol=1e-6)
+    assert material["alphaMode"] == "BLEND"
+
+
+def test_glb_splits_vertices_where_uv_part_and_keeps_images_as_they_are():
+    mesh = box_between(np.zeros(3), np.ones(3))
+    uv = np.tile(np.array([[0, 0], [1, 0], [1, 2]], np.float32), (12, 1, 1))
+    textured = dataclasses.replace(mesh, uv=uv)
+    image = Texture("small.png", png((200, 100, 50), (2, 3)))
+    white = (1.0, 1.0, 1.0, 1.0)
+    tree, content, scene = glb_of(
+        (textured, white, image),
+        (textured, white, image),
+        (textured, white, None),
+        (mesh, white, None),
+    )
+    assert content.count(image.content) == 1
+    assert [len(tree[key]) for key in ("images", "textures", "materials")] == [1, 1, 2]
+    assert len(tree["accessors"]) == 5  # positions, uv, faces; positions and faces without uv
+    seen = scene.geometry["n0"]
+    assert seen.visual.material.baseColorTexture.size == (2, 3)
+    # trimesh turns glTF's v around again
+    corners = np.concatenate([seen.vertices[seen.faces], seen.visual.uv[seen.faces]], -1)
+    assert np.allclose(corners, np.concatenate([mesh.vertices[mesh.faces], uv], -1))
+    pairs = np.concatenate([mesh.faces.reshape(-1, 1), uv.reshape(-1, 2)], 1)
+    assert (
+        len(seen.vertices) == len(np.unique(pairs, axis=0))
+        and len(scene.geometry["n3"].vertices) == 8
+    )
+
+
+def test_a_textured_model_keeps_its_image_in_every_format(tmp_path):
+    items = (floor_entity(1), box_entity(2, "cup", (0, 0, 0.05), (0.1, 0.1, 0.1)))
+    entities, model = scene_of(*items), cube_model()
+    link = model.robot.links[0]
+    mesh = dataclasses.replace(
+        link.visuals[0].mesh, uv=np.zeros((len(link.visuals[0].mesh.faces), 3, 2), np.float32)
+    )
+    image = Texture("glaze.png", png((20, 80, 200)))
+    seen = Visual("glaze", mesh, (0.1, 0.3, 0.8, 1.0), image)
+    link = dataclasses.replace(link, visuals=(seen,), friction=0.3)
+    library = library_of(with_robot(model, RobotModel("cup", (link,), ())))
+    placements = (kept(items[0]), placed(items[1], "cup/cube"))
+    settings = ExportSettings(friction=0.6)
+    export_scene(entities, graph_of(entities, [-1, 0]), placements, library, tmp_path, settings)
+    assert image.content in (tmp_path / "scene.glb").read_bytes()
+    compiled = simulation.load_model(tmp_path / "scene.xml")
+    assert compiled.ntex == 2  # and the sky
+    frictions = {compiled.geom(g).name: compiled.geom(g).friction[0] for g in range(compiled.ngeom)}
+    assert frictions["cup_2_hull_0"] == 0.3 and frictions["floor_1_slab"] == 0.6
+    package = tmp_path / "scene_description"
+    files = {p.suffix: p.read_bytes() for p in (package / "meshes").glob("cup_2_glaze*")}
+    assert set(files) == {".obj", ".mtl"}
+    assert [p.read_bytes() for p in (package / "meshes").glob("*.png")] == [image.content]
+    robot = yourdfpy.URDF.load(str(package / "urdf" / "scene.urdf"))
+    shown = [g.visual for g in robot.scene.geometry.values() if hasattr(g.visual, "uv")]
+    assert any(getattr(v.material, "image", None) is not None for v in shown)
 
 
 def test_scan_ply_is_read_back(exported):

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import itertools
 
 import mujoco
 import numpy as np
+import pytest
+from PIL import Image
 
 from isr_jax import simulation
-from isr_jax.robot_model import Joint, RobotModel, scaled
+from isr_jax.errors import OutputError
+from isr_jax.robot_model import Joint, Link, RobotModel, Texture, Visual, box_between, scaled
 from isr_jax.robot_model.mesh_files import MeshFiles
 from isr_jax.robot_model.mjcf import ContactModel, add_robot, pose_of, spec_xml
 from isr_jax.robot_model.naming import excluded_pairs, named_in_scene, weld_groups
+from isr_jax.types import Mesh
 
 from .physics_scenes import cabinet_model, cube_model
 
@@ -93,3 +98,79 @@ def test_boxes_collide_as_boxes(tmp_path):
     door = [g for g in range(loaded.ngeom) if loaded.geom(g).name == "c_door_hull_0"]
     assert loaded.geom_type[door[0]] == mujoco.mjtGeom.mjGEOM_BOX
     assert np.allclose(2 * loaded.geom_size[door[0]], [0.554, 0.02, 0.357], atol=1e-6)
+
+
+def checkered(ending: str) -> Texture:
+    """Red, green, blue and white quarters: what stands where shows which way up it is."""
+    pixels = np.array([[[255, 0, 0], [0, 255, 0]], [[0, 0, 255], [255, 255, 255]]], np.uint8)
+    written = io.BytesIO()
+    Image.fromarray(pixels.repeat(16, 0).repeat(16, 1)).save(
+        written,
+        {"png": "PNG", "jpg": "JPEG"}[ending],
+        **({"quality": 95} if ending == "jpg" else {}),
+    )
+    return Texture(f"quarters.{ending}", written.getvalue())
+
+
+def picture_on(texture: Texture, name: str = "picture") -> RobotModel:
+    """A board in x and z, 1 m wide, that shows the whole image towards -y."""
+    corners = np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], np.float32) / 2
+    faces = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
+    uv = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)[faces]
+    seen = Visual("board", Mesh(corners, faces, uv=uv), (0.5, 0.5, 0.5, 1.0), texture)
+    hull = box_between(np.array([-0.5, 0.0, -0.5]), np.array([0.5, 0.05, 0.5]))
+    link = Link(name, (seen,), (hull,), 1.0, np.zeros(3), np.eye(3), friction=0.37)
+    return RobotModel(name, (link,), ())
+
+
+@pytest.mark.parametrize("ending", ["png", "jpg"])
+def test_a_texture_is_seen_the_right_way_up(tmp_path, ending):
+    loaded = compiled(tmp_path, picture_on(checkered(ending)), np.eye(4), free=False)
+    assert loaded.ntex == loaded.nmat == 1
+    names = {p.suffix for p in (tmp_path / "assets").iterdir()}
+    assert names == {".obj", ".mtl", ".png"}
+    height, width = int(loaded.tex_height[0]), int(loaded.tex_width[0])
+    image = loaded.tex_data.reshape(height, width, -1)
+    seen, data = {}, mujoco.MjData(loaded)
+    mujoco.mj_forward(loaded, data)
+    board = data.geom("picture_visual_0")
+    vertices = loaded.mesh_vert @ board.xmat.reshape(3, 3).T + board.xpos
+    for at, face in zip(loaded.mesh_face.ravel(), loaded.mesh_facetexcoord.ravel(), strict=True):
+        u, v = 0.25 + 0.5 * loaded.mesh_texcoord[face]  # the middle of its quarter
+        x, _, z = np.rint(2 * vertices[at])  # OpenGL: v = 0 is the first row
+        seen[int(x), int(z)] = tuple(image[int(v * height), int(u * width)] > 128)
+    upper, lower = (
+        {(-1, 1): (1, 0, 0), (1, 1): (0, 1, 0)},
+        {(-1, -1): (0, 0, 1), (1, -1): (1, 1, 1)},
+    )
+    assert seen == upper | lower
+
+
+def test_equal_textures_are_one_asset_and_uv_alone_are_none(tmp_path):
+    spec = mujoco.MjSpec()
+    spec.meshdir, spec.modelfiledir = "assets", str(tmp_path)
+    files = MeshFiles(tmp_path / "assets")
+    plain = picture_on(checkered("png"), "plain").links[0]
+    bare = dataclasses.replace(plain.visuals[0], texture=None)
+    models = [
+        picture_on(checkered("png"), "a"),
+        picture_on(checkered("png"), "b"),
+        RobotModel("plain", (dataclasses.replace(plain, visuals=(bare,)),), ()),
+    ]
+    for model in models:
+        add_robot(spec, model, np.eye(4), free=False, files=files, contact=ContactModel())
+    loaded = spec.compile()
+    assert loaded.ntex == 1 and loaded.nmesh == 2
+    without = [p for p in (tmp_path / "assets").glob("*.obj") if "vt " not in p.read_text()]
+    assert len(without) == 1
+
+
+def test_a_texture_that_is_no_image_is_named(tmp_path):
+    with pytest.raises(OutputError, match=r"broken\.jpg"):
+        compiled(tmp_path, picture_on(Texture("broken.jpg", b"no image")), np.eye(4), free=False)
+
+
+def test_a_link_slides_as_its_material_says(tmp_path):
+    loaded = compiled(tmp_path, picture_on(checkered("png")), np.eye(4), free=False)
+    hull = loaded.geom("picture_hull_0").friction
+    assert np.allclose(hull, [0.37, *ContactModel().friction[1:]])

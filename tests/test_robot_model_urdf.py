@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import dataclasses
+import io
+import logging
 import xml.etree.ElementTree as ET
 
 import mujoco
 import numpy as np
 import pytest
 import yourdfpy
+from PIL import Image
 
 from isr_jax.errors import OutputError, SceneError, SettingError
 from isr_jax.robot_model import (
     Joint,
     Link,
     RobotModel,
+    Texture,
     Visual,
     as_box,
     box_between,
@@ -28,13 +32,23 @@ from isr_jax.robot_model import (
     urdf_files,
     write_urdf,
 )
+from isr_jax.robot_model.obj import obj_text, read_obj_text
 from isr_jax.types import Mesh
 
-ROTATION_TOLERANCE = 1e-14  # roll, pitch and yaw of a rotation go through sines in float64
+ROTATION_TOLERANCE = 2e-12  # roll, pitch and yaw are written to 12 decimals
 POSE_TOLERANCE = 1e-6  # yourdfpy and MuJoCo compute in other orders
 
 
-def random_mesh(rng, *, colors=False, normals=False) -> Mesh:
+def png(color: tuple[int, int, int], size=(4, 4)) -> bytes:
+    written = io.BytesIO()
+    Image.new("RGB", size, color).save(written, "PNG")
+    return written.getvalue()
+
+
+OAK, STEEL = Texture("oak.png", png((200, 140, 60))), Texture("steel.v2.png", png((90, 90, 99)))
+
+
+def random_mesh(rng, *, colors=False, normals=False, uv=False) -> Mesh:
     vertices = (rng.normal(size=(20, 3)) * 10.0 ** rng.integers(-7, 3, (20, 1))).astype(np.float32)
     faces = rng.permutation(20)[:18].reshape(6, 3).astype(np.int32)
     return Mesh(
@@ -42,6 +56,7 @@ def random_mesh(rng, *, colors=False, normals=False) -> Mesh:
         faces,
         rng.integers(0, 256, (20, 3), dtype=np.uint8) if colors else None,
         rng.normal(size=(20, 3)).astype(np.float32) if normals else None,
+        rng.integers(-9, 9, (6, 3, 2)).astype(np.float32) / 7 if uv else None,
     )
 
 
@@ -57,9 +72,14 @@ def link_of(name: str, rng, hulls: tuple[Mesh, ...]) -> Link:
     visuals = (
         Visual("paint", random_mesh(rng), (0.1, 0.2, 1 / 3, 1.0)),
         Visual("scan", random_mesh(rng, colors=True, normals=True), (1.0, 1.0, 1.0, 0.5)),
+        Visual("plain", random_mesh(rng, uv=True), (1.0, 0.0, 0.0, 1.0)),
+        Visual("grain", random_mesh(rng, uv=True), (0.8, 0.5, 0.2, 1.0), OAK),
+        Visual("both", random_mesh(rng, normals=True, uv=True), (0.8, 0.5, 0.2, 1.0), OAK),
+        Visual("metal", random_mesh(rng, colors=True, uv=True), (0.4, 0.4, 0.4, 1.0), STEEL),
     )
     mass, com = float(rng.uniform(1, 9)), rng.normal(size=3)
-    return Link(name, visuals, hulls, mass, com, (inertia + inertia.T) / 2)
+    friction = float(rng.uniform(0, 1))
+    return Link(name, visuals, hulls, mass, com, (inertia + inertia.T) / 2, friction)
 
 
 def cabinet_model(seed: int = 0) -> RobotModel:
@@ -96,7 +116,7 @@ def unit(rng) -> np.ndarray:
 def assert_same_mesh(a: Mesh, b: Mesh) -> None:
     np.testing.assert_array_equal(a.vertices, b.vertices)
     np.testing.assert_array_equal(a.faces, b.faces)
-    for x, y in ((a.colors, b.colors), (a.normals, b.normals)):
+    for x, y in ((a.colors, b.colors), (a.normals, b.normals), (a.uv, b.uv)):
         assert (x is None) == (y is None)
         if x is not None:
             np.testing.assert_array_equal(x, y)
@@ -105,11 +125,11 @@ def assert_same_mesh(a: Mesh, b: Mesh) -> None:
 def assert_same_robot(a: RobotModel, b: RobotModel, rotation_tolerance: float = 0.0) -> None:
     assert a.name == b.name
     for x, y in zip(a.links, b.links, strict=True):
-        assert (x.name, x.mass_kg) == (y.name, y.mass_kg)
+        assert (x.name, x.mass_kg, x.friction) == (y.name, y.mass_kg, y.friction)
         np.testing.assert_array_equal(x.com, y.com)
         np.testing.assert_array_equal(x.inertia, y.inertia)
         for v, w in zip(x.visuals, y.visuals, strict=True):
-            assert (v.name, v.rgba) == (w.name, w.rgba)
+            assert (v.name, v.rgba, v.texture) == (w.name, w.rgba, w.texture)
             assert_same_mesh(v.mesh, w.mesh)
         for v, w in zip(x.hulls, y.hulls, strict=True):
             assert_same_mesh(v, w)
@@ -127,11 +147,65 @@ def test_what_is_written_reads_back_equal(tmp_path, seed):
     assert_same_robot(model, read_urdf(write_urdf(model, tmp_path)), ROTATION_TOLERANCE)
 
 
-def test_same_model_same_bytes_and_second_round_trip_is_a_fixed_point(tmp_path):
-    model = cabinet_model()
-    assert urdf_files(model) == urdf_files(cabinet_model())
+@pytest.mark.parametrize("seed", range(4))
+def test_same_model_same_bytes_and_second_round_trip_is_a_fixed_point(tmp_path, seed):
+    model = cabinet_model(seed)
+    assert urdf_files(model) == urdf_files(cabinet_model(seed))
     again = read_urdf(write_urdf(model, tmp_path))
     assert urdf_files(read_urdf(write_urdf(again, tmp_path / "b"))) == urdf_files(again)
+
+
+def test_uv_are_written_once_each_and_equal_images_share_a_file(tmp_path):
+    write_urdf(cabinet_model(), tmp_path)
+    images = sorted(p for p in (tmp_path / "meshes").iterdir() if p.suffix == ".png")
+    assert sorted(p.read_bytes() for p in images) == sorted([OAK.content, STEEL.content])
+    uv = np.array([[[0, 0], [0.5, 0], [0.5, 0.25]], [[0, 0], [0.5, 0.25], [-0.0, 1]]], np.float32)
+    square = Mesh(np.eye(4, 3, dtype=np.float32), np.array([[0, 1, 2], [0, 2, 3]], np.int32), uv=uv)
+    text = obj_text(square)
+    assert [line for line in text.splitlines() if line.startswith("vt ")] == [
+        *("vt 0.0 0.0", "vt 0.0 1.0", "vt 0.5 0.0", "vt 0.5 0.25"),
+    ]
+    assert "f 1/1 3/4 4/2" in text
+    assert_same_mesh(read_obj_text(text), square)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 1\n", "no triangles"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3\n", "one form"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/2\n", "not there"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1 2 3\n", "no texture coordinates"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "not there"),
+        ("v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n", "not finite"),
+        ("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "3 or 6"),
+        ("f 1 2 3\n", "3 or 6"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n", "normals"),
+    ],
+)
+def test_an_obj_that_is_none_is_refused(text, said):
+    with pytest.raises(ValueError, match=said):
+        read_obj_text(text)
+
+
+def test_a_texture_that_cannot_be_stored_is_named(tmp_path):
+    rng = np.random.default_rng(0)
+    bare = Visual("bare", random_mesh(rng), (1.0, 1.0, 1.0, 1.0), OAK)
+    mesh = random_mesh(rng, uv=True)
+    foreign = Visual("foreign", mesh, (1.0, 1.0, 1.0, 1.0), Texture("../oak.png", b""))
+    for visual, said in ((bare, "no uv"), (foreign, "oak.png")):
+        link = Link("base", (visual,), (), 1.0, np.zeros(3), np.eye(3))
+        with pytest.raises(OutputError, match=said):
+            write_urdf(RobotModel("m", (link,), ()), tmp_path)
+
+
+@pytest.mark.parametrize("image", ["map_Kd ../../secret.png", "map_Kd absent.png", "Kd 1 1 1"])
+def test_an_mtl_names_one_image_beside_it(tmp_path, image):
+    path = write_urdf(cabinet_model(), tmp_path / "model")
+    (tmp_path / "secret.png").write_bytes(b"secret")
+    (tmp_path / "model" / "meshes" / "door_grain.mtl").write_text(f"newmtl m\n{image}\n")
+    with pytest.raises(SceneError, match=r"door_grain\.mtl|absent\.png"):
+        read_urdf(path)
 
 
 def test_boxes_are_primitives_and_only_boxes(tmp_path):
@@ -147,7 +221,8 @@ def test_boxes_are_primitives_and_only_boxes(tmp_path):
 def test_prefixed_elements_go_into_one_scene():
     model, stored = cabinet_model(), []
 
-    def mesh_uri(mesh, stem):
+    def mesh_uri(mesh, stem, texture):
+        assert texture is None or mesh.uv is not None
         stored.append(stem)
         return f"package://scene/{stem}.obj"
 
@@ -162,8 +237,8 @@ def test_prefixed_elements_go_into_one_scene():
 
 # yourdfpy calls what trimesh has renamed.
 @pytest.mark.filterwarnings("ignore:.*Scene.dump:DeprecationWarning")
-def test_other_programs_read_it_with_the_same_kinematics(tmp_path):
-    """yourdfpy's and MuJoCo's own forward kinematics against ours."""
+def test_other_programs_read_it_with_the_same_kinematics(tmp_path, caplog, capfd):
+    """yourdfpy's and MuJoCo's own forward kinematics against ours, and no complaint."""
     model = cabinet_model()
     path = write_urdf(model, tmp_path)
     positions = {"hinge": 0.5, "rail": 0.2, "pin": 1.0}
@@ -182,6 +257,8 @@ def test_other_programs_read_it_with_the_same_kinematics(tmp_path):
         body = data.body(link.name)
         np.testing.assert_allclose(body.xpos, ours[link.name][:3, 3], atol=POSE_TOLERANCE)
         assert compiled.body(link.name).mass[0] == pytest.approx(link.mass_kg)
+    assert not [r for r in caplog.records if r.levelno >= logging.WARNING]
+    assert capfd.readouterr() == ("", "")
 
 
 @pytest.mark.parametrize(

@@ -73,15 +73,20 @@ def placement() -> Placement:
         scene_of(floor_entity(), box_entity(2, "table", (0, 0, 0.4), (1.2, 0.8, 0.8), yaw=0.2)),
         graph(),
         (placement(), placement()),
-        library_of(table_model()),
+        table_model().robot,
         Mesh(np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32)),
         {"a": [1, 2.5, None, True, "x"], 3: (float("nan"), -float("inf"), np.float32(1.5))},
         (np.array(True), np.zeros((0, 4), bool), np.array(3, np.int64), np.arange(6)[::2]),
     ],
-    ids=["entities", "graph", "placements", "library", "empty mesh", "plain", "arrays"],
+    ids=["entities", "graph", "placements", "robot", "empty mesh", "plain", "arrays"],
 )
 def test_round_trip_gives_the_same_tree(store, value):
     assert same(round_trip(store, value), value)
+
+
+def test_a_library_is_named_by_its_hash_and_never_stored(store):
+    with pytest.raises(TypeError, match="partial"):
+        content_hash(library_of(table_model()))
 
 
 @settings(max_examples=30, deadline=None)

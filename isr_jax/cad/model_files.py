@@ -1,43 +1,52 @@
-"""Border: one CAD model as files, ``model.urdf``, ``meshes/*.obj`` and ``model.json``."""
+"""Border: one CAD model as files: ``model.json``, ``model.urdf`` and ``meshes/``."""
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from ..cad_types import CadModel, held
-from ..classes import class_named
-from ..errors import ClassError, LibraryError, OutputError, SceneError
+from ..errors import LibraryError, OutputError, SceneError
 from ..robot_model import RobotModel, read_urdf, urdf_files
-from ..robot_model.obj import numbers
-from ..types import Array, PlaneSet
+from ..robot_model.mtl import IMAGE_ENDINGS
+from .records import (
+    SCHEMA_VERSION,
+    Record,
+    check_links,
+    check_record,
+    model_of,
+    planes_of,
+    record_of,
+)
 
-SCHEMA_VERSION = "1.0"
-MOUNTS = ("floor", "surface", "wall", "opening")
-SYMMETRIES = (0, 1, 2, 4)
+_MESH_ENDINGS = (".obj", ".mtl", *IMAGE_ENDINGS)
 
 
 def model_files(model: CadModel) -> dict[str, bytes]:
     """Contents by relative path, with the hash of all the rest in ``model.json``."""
-    files = urdf_files(model.robot)
-    record = _record(model)
-    record["content_hash"] = content_hash(files, record)
+    files, record = _described(model)
     files["model.json"] = (json.dumps(record, indent=1) + "\n").encode()
     return files
 
 
 def with_content_hash(model: CadModel) -> CadModel:
     """The model, its ``content_hash`` computed from what would be written."""
-    digest = content_hash(urdf_files(model.robot), _record(model))
-    return dataclasses.replace(model, content_hash=digest)
+    return dataclasses.replace(model, content_hash=_described(model)[1]["content_hash"])
 
 
-def content_hash(files: dict[str, bytes], record: dict[str, Any]) -> str:
+def _described(model: CadModel) -> tuple[dict[str, bytes], Record]:
+    files, record = urdf_files(model.robot), record_of(model)
+    record["files"] = _digests(files)
+    record["content_hash"] = content_hash(files, record)
+    return files, record
+
+
+def content_hash(files: dict[str, bytes], record: Record) -> str:
     """SHA-256 over geometry files and ``model.json``, its own entry left out."""
     digest = hashlib.sha256()
     rest = {k: v for k, v in record.items() if k != "content_hash"}
@@ -46,115 +55,113 @@ def content_hash(files: dict[str, bytes], record: dict[str, Any]) -> str:
     return digest.hexdigest()
 
 
+def _digests(files: dict[str, bytes]) -> dict[str, str]:
+    """Which of the files changed, in case one did."""
+    return {name: hashlib.sha256(files[name]).hexdigest()[:16] for name in sorted(files)}
+
+
 def save_model(model: CadModel, root: Path) -> Path:
-    """Write a model into ``root/<class>/<name>/``; returns that folder."""
-    folder = root / model.id
-    for name, content in model_files(model).items():
-        path = folder / name
-        try:
+    """Write a model into ``root/<class>/<name>/``; returns that folder.
+
+    Mesh files of an older model in that folder go.
+    """
+    folder, files = root / model.id, model_files(model)
+    path = folder
+    try:
+        for path in _mesh_paths(folder):
+            if path.relative_to(folder).as_posix() not in files:
+                path.unlink()
+        for name, content in files.items():
+            path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
-        except OSError as error:
-            problem = f"{path}: {error.strerror}"
-            raise OutputError(problem, "give a library folder that can be written") from None
+    except OSError as error:
+        problem = f"{path}: {error.strerror}"
+        raise OutputError(problem, "give a library folder that can be written") from None
     return folder
 
 
 def load_model(folder: Path, root: Path) -> CadModel:
-    """Read one model folder; raises `LibraryError` naming the file that cannot be used."""
+    """Read one model folder whole; raises `LibraryError` naming the file that cannot be used."""
+    record, robot = read_model(folder)
+    cad_id = folder.relative_to(root).as_posix()
+    return model_of(record, cad_id, record["content_hash"], planes_of(record), held(robot))
+
+
+def read_model(folder: Path) -> tuple[Record, RobotModel]:
+    """Record and robot of a model folder, held against each other and the content hash."""
+    record = read_record(folder)
     path = folder / "model.json"
-    try:
-        record = json.loads(path.read_text("utf-8"))
+    with _unusable(folder, path):
+        record["content_hash"] = _verified(record, folder)
         robot = read_urdf(folder / "model.urdf")
-        return _model(record, robot, folder, folder.relative_to(root).as_posix())
+        check_links(record, robot, path)
+    return record, robot
+
+
+def read_record(folder: Path) -> Record:
+    """``model.json`` of a folder, checked by itself; no other file is read."""
+    path = folder / "model.json"
+    with _unusable(folder, path):
+        record = json.loads(path.read_text("utf-8"))
+        if record["schema_version"] == "1.0":
+            record = _from_1_0(record, folder)
+        check_record(record, path)
+    return record
+
+
+def _from_1_0(record: Record, folder: Path) -> Record:
+    """A record of schema 1.0 as one of today; what it did not say stays unsaid, with a note."""
+    record.pop("content_hash", None)
+    joints = [joint.name for joint in read_urdf(folder / "model.urdf").moving_joints]
+    said = {"moving_joints": joints, "notes": ["written in schema 1.0, which knew no handles"]}
+    unsaid = {"handles": [], "collision": "exact", "swelling_m": 0.0}
+    origin = {"creator": "isr_jax", "source": "kit"}
+    return record | said | unsaid | origin | {"schema_version": SCHEMA_VERSION}
+
+
+def robot_loader(folder: Path, expected_hash: str) -> functools.partial[RobotModel]:
+    """A ``load_robot`` that reads the folder when it is called, also in another process."""
+    return functools.partial(_read_robot, folder, expected_hash)
+
+
+def _read_robot(folder: Path, expected_hash: str) -> RobotModel:
+    record, robot = read_model(folder)
+    if record["content_hash"] != expected_hash:
+        problem = f"{folder / 'model.json'} was changed while its library was in use"
+        raise LibraryError(problem, "load the library again")
+    return robot
+
+
+@contextmanager
+def _unusable(folder: Path, record_path: Path) -> Iterator[None]:
+    """Whatever is wrong with a model, as a `LibraryError` that names the file."""
+    hint = "repair or remove that model's folder, or build the library again"
+    try:
+        yield
     except OSError as error:
-        raise _unusable(error.filename, str(error.strerror)) from None
+        raise LibraryError(f"{error.filename}: {error.strerror}", hint) from None
     except SceneError as error:
-        raise _unusable(folder, error.problem) from None
+        said = error.problem if str(folder) in error.problem else f"{folder}: {error.problem}"
+        raise LibraryError(said, hint) from None
     except (KeyError, TypeError, ValueError) as error:
         said = f"{error} is missing" if isinstance(error, KeyError) else str(error)
-        raise _unusable(path, said) from None
+        raise LibraryError(f"{record_path}: {said}", hint) from None
 
 
-def _unusable(path: Path | str, problem: str) -> LibraryError:
-    hint = "repair or remove that model's folder, or build the library again"
-    return LibraryError(problem if str(path) in problem else f"{path}: {problem}", hint)
+def _verified(record: Record, folder: Path) -> str:
+    """The content hash of what is there; raises where another one is stated."""
+    paths = [folder / "model.urdf", *_mesh_paths(folder)]
+    files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
+    stated, found = record.get("content_hash"), content_hash(files, record)
+    if stated is None or stated == found:
+        return found
+    told, true = record.get("files", {}), _digests(files)
+    wrong = [name for name in sorted({*told, *true}) if told.get(name) != true.get(name)]
+    problem = f"{folder / (wrong or ['model.json'])[0]} differs from its content hash"
+    hint = "restore it, or delete content_hash from model.json if the change is meant"
+    raise LibraryError(problem, hint)
 
 
-def _table(values: Array) -> list:
-    """Nested lists of floats with the fewest digits of the array's own precision."""
-    texts = numbers(np.asarray(values))
-    return np.asarray(texts, np.float64).tolist()
-
-
-def _record(model: CadModel) -> dict[str, Any]:
-    planes = model.planes
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "class": model.class_name,
-        "size": _table(model.size),
-        "symmetry": model.symmetry,
-        "mount": model.mount,
-        "planes": [
-            {
-                "normal": _table(planes.normal[k]),
-                "offset": _table(planes.offset[k : k + 1])[0],
-                "corners": _table(planes.corners[k]),
-                "area_m2": _table(planes.area_m2[k : k + 1])[0],
-                "link": model.plane_link[k],
-                "supporting": bool(model.plane_supporting[k]),
-            }
-            for k in range(len(model.plane_link))
-        ],
-        "licence": model.licence,
-    }
-
-
-def _model(record: dict, robot: RobotModel, folder: Path, cad_id: str) -> CadModel:
-    path, planes = folder / "model.json", record["planes"]
-    if record["schema_version"] != SCHEMA_VERSION:
-        problem = f"{path}: schema version {record['schema_version']!r}"
-        raise LibraryError(problem, f"this package reads version {SCHEMA_VERSION}; build it again")
-    try:
-        class_named(record["class"])
-    except ClassError as error:
-        raise LibraryError(f"{path}: {error.problem}", error.hint) from None
-    if record["mount"] not in MOUNTS or record["symmetry"] not in SYMMETRIES:
-        allowed = f"mount is one of {MOUNTS}, symmetry one of {SYMMETRIES}"
-        raise LibraryError(f"{path}: {record['mount']!r}, {record['symmetry']!r}", allowed)
-    unknown = {p["link"] for p in planes} - {link.name for link in robot.links}
-    if unknown:
-        raise LibraryError(f"{path}: planes of unknown links {sorted(unknown)}", "name the owners")
-    model = CadModel(
-        id=cad_id,
-        class_name=record["class"],
-        load_robot=held(robot),
-        moving_joints=tuple(joint.name for joint in robot.moving_joints),
-        size=np.array(record["size"], np.float32),
-        planes=PlaneSet(
-            np.array([p["normal"] for p in planes], np.float32).reshape(-1, 3),
-            np.array([p["offset"] for p in planes], np.float32),
-            np.array([p["corners"] for p in planes], np.float32).reshape(-1, 4, 3),
-            np.array([p["area_m2"] for p in planes], np.float32),
-            np.ones(len(planes), bool),
-        ),
-        plane_link=tuple(p["link"] for p in planes),
-        plane_supporting=np.array([p["supporting"] for p in planes], bool),
-        symmetry=record["symmetry"],
-        mount=record["mount"],
-        licence=record["licence"],
-        content_hash=_checked_hash(record, folder),
-    )
-    if model.size.shape != (3,) or not np.all(model.size > 0):
-        raise LibraryError(f"{path}: size {record['size']}", "give three positive lengths, metres")
-    return model
-
-
-def _checked_hash(record: dict, folder: Path) -> str:
-    names = ["model.urdf", *(f"meshes/{p.name}" for p in folder.glob("meshes/*.obj"))]
-    found = content_hash({name: (folder / name).read_bytes() for name in names}, record)
-    stated = record.get("content_hash", found)
-    if stated != found:
-        hint = "restore it, or delete content_hash from model.json if the change is meant"
-        raise LibraryError(f"{folder}: a file differs from its content hash {stated[:12]}", hint)
-    return found
+def _mesh_paths(folder: Path) -> list[Path]:
+    return sorted(p for p in folder.glob("meshes/*") if p.suffix.lower() in _MESH_ENDINGS)

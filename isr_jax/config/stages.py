@@ -385,7 +385,9 @@ class ExportSettings(Checked):
     """What is written, and the contact model of the MJCF."""
 
     timestep_s: float = setting(0.002, "of MuJoCo", unit="s", low=1e-4, high=0.02)
-    friction: float = setting(0.8, "sliding friction", low=0.0)
+    friction: float = setting(
+        0.8, "sliding friction of layout and scans; models have their own", low=0.0
+    )
     scan_max_faces: int = setting(4000, "faces of an exported scan mesh", low=16)
     max_hull_vertices: int = setting(64, "of a collision part", low=32, high=256)
     layout_thickness_m: float = setting(

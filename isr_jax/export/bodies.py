@@ -127,6 +127,7 @@ def _body(
         T[:3, 3],
         max_vertices=settings.max_hull_vertices,
         max_faces=settings.scan_max_faces,
+        friction=settings.friction,
     )
     return Body(i, entity.name, robot, T, free, recentred(entity.mesh, T[:3, 3]))
 

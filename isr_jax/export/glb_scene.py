@@ -1,23 +1,23 @@
-"""Border: the scene as GLB (trimesh). glTF is y up; the node ``room`` turns our z up to it."""
+"""Border: the scene as GLB. glTF is y up; the node ``room`` turns our z up to it."""
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import trimesh
-from trimesh.exchange.gltf import export_glb
-from trimesh.visual import TextureVisuals
-from trimesh.visual.material import PBRMaterial
 
-from ..errors import OutputError
-from ..robot_model import Visual, link_transforms
+from ..robot_model import link_transforms
+from ..robot_model.mesh_files import write_file
 from ..scene_file import ROOM_NAME
 from ..types import Mesh
 from .bodies import Body, Slab
+from .glb import GlbFile
 
 T_GLTF_WORLD = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)
+_WHITE = (1.0, 1.0, 1.0, 1.0)
+_MATT, _FURNITURE = 1.0, 0.8
+"""Roughness of scans, and of models."""
 
 
 def write_glb(path: Path, slabs: tuple[Slab, ...], bodies: tuple[Body, ...]) -> None:
@@ -25,66 +25,30 @@ def write_glb(path: Path, slabs: tuple[Slab, ...], bodies: tuple[Body, ...]) -> 
 
     CAD models are shown by their visuals, all others by their scans with colours a vertex.
     """
-    scene = trimesh.Scene()
-    scene.graph.update(ROOM_NAME, scene.graph.base_frame, matrix=T_GLTF_WORLD)
+    file = GlbFile()
+    room = file.add_node(ROOM_NAME, None, T_GLTF_WORLD)
     for slab in slabs:
-        _add_mesh(scene, slab.name, ROOM_NAME, np.eye(4), _colored(slab.scan))
+        _add_scan(file, file.add_node(slab.name, room, np.eye(4)), slab.scan)
     for body in bodies:
+        root = file.add_node(body.name, room, body.T_world_root)
         if body.scan is None:
-            _add_model(scene, body)
+            _add_model(file, body, root)
         else:
-            _add_mesh(scene, body.name, ROOM_NAME, body.T_world_root, _colored(body.scan))
-    try:
-        path.write_bytes(export_glb(scene, tree_postprocessor=_matt))
-    except OSError as error:
-        raise OutputError(
-            f"{path}: {error.strerror}", "give a folder that can be written"
-        ) from None
+            _add_scan(file, root, body.scan)
+    write_file(path, file.content())
 
 
-def _add_model(scene: trimesh.Scene, body: Body) -> None:
-    scene.graph.update(body.name, ROOM_NAME, matrix=body.T_world_root)
+def _add_model(file: GlbFile, body: Body, root: int) -> None:
     for name, T in link_transforms(body.robot).items():
-        if name != body.name:
-            scene.graph.update(name, body.name, matrix=T)
+        node = root if name == body.name else file.add_node(name, root, T)
         for i, visual in enumerate(body.robot.link(name).visuals):
-            _add_mesh(scene, f"{name}_visual_{i}", name, np.eye(4), _painted(visual))
+            shape = file.add_node(f"{name}_visual_{i}", node, np.eye(4))
+            # Texture and vertex colours hold the colour; the visual's own is their mean.
+            plain = visual.texture is None and visual.mesh.colors is None
+            rgba = visual.rgba if plain else (1.0, 1.0, 1.0, visual.rgba[3])
+            file.set_mesh(shape, visual.mesh, rgba, visual.texture, _FURNITURE)
 
 
-def _add_mesh(scene, name: str, parent: str, T: np.ndarray, mesh: trimesh.Trimesh | None) -> None:
-    if mesh is None:
-        scene.graph.update(name, parent, matrix=T)
-    else:
-        scene.add_geometry(
-            mesh, geom_name=name, node_name=name, parent_node_name=parent, transform=T
-        )
-
-
-def _colored(mesh: Mesh) -> trimesh.Trimesh | None:
-    if len(mesh.faces) == 0:
-        return None
-    colors = None if mesh.colors is None else np.asarray(mesh.colors)
-    return trimesh.Trimesh(mesh.vertices, mesh.faces, vertex_colors=colors, process=False)
-
-
-def _matt(tree: dict[str, Any]) -> None:
-    """Give what has no material a matt one: glTF takes it for metal, which viewers show black."""
-    materials = tree.setdefault("materials", [])
-    materials.append({"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 1.0}})
-    for mesh in tree.get("meshes", ()):
-        for primitive in mesh["primitives"]:
-            primitive.setdefault("material", len(materials) - 1)
-
-
-def _painted(visual: Visual) -> trimesh.Trimesh:
-    material = PBRMaterial(
-        baseColorFactor=[round(255 * c) for c in visual.rgba],
-        metallicFactor=0.0,
-        roughnessFactor=0.8,
-    )
-    return trimesh.Trimesh(
-        visual.mesh.vertices,
-        visual.mesh.faces,
-        visual=TextureVisuals(material=material),
-        process=False,
-    )
+def _add_scan(file: GlbFile, node: int, scan: Mesh) -> None:
+    if len(scan.faces):
+        file.set_mesh(node, dataclasses.replace(scan, normals=None), _WHITE, None, _MATT)

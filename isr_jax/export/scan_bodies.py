@@ -50,6 +50,7 @@ def scan_robot(
     *,
     max_vertices: int,
     max_faces: int,
+    friction: float,
 ) -> RobotModel:
     """One link with the scan as visual, about ``origin`` with world axes.
 
@@ -60,6 +61,7 @@ def scan_robot(
         origin: Where the link's frame goes, world, metres.
         max_vertices: Of a hull.
         max_faces: Of the visual mesh.
+        friction: Sliding friction of the body.
     """
     points = np.asarray(entity.mesh.vertices, np.float64)
     hulls = [recentred(h, origin) for h in scan_hulls(points, bottom_m, niches, max_vertices)]
@@ -67,7 +69,8 @@ def scan_robot(
     rgba = mean_color(visual)
     link = solid_link(entity.name, tuple(hulls), class_named(entity.class_name).density_kg_m3)
     seen = Visual("scan", recentred(visual, origin), rgba)
-    return RobotModel(entity.name, (dataclasses.replace(link, visuals=(seen,)),), ())
+    link = dataclasses.replace(link, visuals=(seen,), friction=friction)
+    return RobotModel(entity.name, (link,), ())
 
 
 def scan_hulls(

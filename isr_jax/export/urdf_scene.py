@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..robot_model import Joint, joint_element, robot_elements, xml_bytes
+from ..robot_model import Joint, Texture, joint_element, robot_elements, xml_bytes
 from ..robot_model.mesh_files import MeshFiles, write_text
 from ..scene_file import ROOM_NAME
 from ..types import Mesh
@@ -77,8 +77,8 @@ def write_urdf_package(out_dir: Path, slabs: tuple[Slab, ...], bodies: tuple[Bod
     package = out_dir / PACKAGE
     files = MeshFiles(package / "meshes")
 
-    def mesh_uri(mesh: Mesh, stem: str) -> str:
-        return f"package://{PACKAGE}/meshes/{files.add(mesh, stem)}"
+    def mesh_uri(mesh: Mesh, stem: str, texture: Texture | None = None) -> str:
+        return f"package://{PACKAGE}/meshes/{files.add(mesh, stem, texture)}"
 
     root = ET.Element("robot", name="scene")
     # For MuJoCo, which else drops fixed links; open scans and flat sheets among the visuals have
@@ -97,7 +97,7 @@ def write_urdf_package(out_dir: Path, slabs: tuple[Slab, ...], bodies: tuple[Bod
         root.append(_slab_link(slab, mesh_uri))
         root.append(_root_joint(slab.name, slab.T_world_slab, ROOM_NAME))
     for body in bodies:
-        root.extend(_uniquely_named(e) for e in robot_elements(body.robot, "", mesh_uri))
+        root.extend(robot_elements(body.robot, "", mesh_uri))
         parent = WORLD if body.free else ROOM_NAME
         root.append(_root_joint(body.name, body.T_world_root, parent, body.free))
     path = package / "urdf" / "scene.urdf"
@@ -106,13 +106,6 @@ def write_urdf_package(out_dir: Path, slabs: tuple[Slab, ...], bodies: tuple[Bod
     write_text(package / "CMakeLists.txt", _CMAKE)
     write_text(package / "launch" / "display.launch.py", _LAUNCH)
     return path
-
-
-def _uniquely_named(element: ET.Element) -> ET.Element:
-    """MuJoCo drops the names of shapes that occur in two links; so the link's goes before."""
-    for shape in [*element.findall("visual"), *element.findall("collision")]:
-        shape.set("name", f"{element.get('name')}_{shape.get('name')}")
-    return element
 
 
 def _root_joint(name: str, T: np.ndarray, parent: str, free: bool = False) -> ET.Element:
@@ -126,13 +119,13 @@ def _root_joint(name: str, T: np.ndarray, parent: str, free: bool = False) -> ET
 
 def _slab_link(slab: Slab, mesh_uri) -> ET.Element:
     link = ET.Element("link", name=slab.name)
-    visual = ET.SubElement(link, "visual", name="sheet")
+    visual = ET.SubElement(link, "visual", name=f"{slab.name}_sheet")
     uri = mesh_uri(front_sheet(slab), f"{slab.name}_sheet")
     ET.SubElement(ET.SubElement(visual, "geometry"), "mesh", filename=uri)
     material = ET.SubElement(visual, "material", name=f"{slab.name}_color")
     color = " ".join(f"{c:g}" for c in mean_color(slab.scan))
     ET.SubElement(material, "color", rgba=color)
-    collision = ET.SubElement(link, "collision", name="slab")
+    collision = ET.SubElement(link, "collision", name=f"{slab.name}_slab")
     size = " ".join(f"{s:.9g}" for s in slab.size)
     ET.SubElement(ET.SubElement(collision, "geometry"), "box", size=size)
-    return _uniquely_named(link)
+    return link

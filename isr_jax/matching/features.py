@@ -6,13 +6,13 @@ import jax
 import numpy as np
 from jaxtyping import Int
 
+from ..cad_arrays import LibraryArrays, counted_planes
 from ..cad_types import CadModel
 from ..types import ContactGraph, Entity, PlaneSet
 from .costs import EntityFeatures, ModelFeatures
 
 MAX_ENTITY_PLANES = 8
 """The assignment visits 2^planes sets; of an entity with more planes these many count."""
-MAX_MODEL_PLANES = 16
 
 
 def entity_rows(planes: PlaneSet, carrying: np.ndarray) -> Int[np.ndarray, " rows"]:
@@ -24,9 +24,7 @@ def entity_rows(planes: PlaneSet, carrying: np.ndarray) -> Int[np.ndarray, " row
 
 def model_columns(model: CadModel) -> Int[np.ndarray, " columns"]:
     """Planes of a model that count, ascending: supporting ones first, then by area."""
-    valid = np.flatnonzero(model.planes.valid)
-    keys = (-np.asarray(model.planes.area_m2)[valid], ~model.plane_supporting[valid])
-    return np.sort(valid[np.lexsort(keys)][:MAX_MODEL_PLANES])
+    return counted_planes(model.planes, model.plane_supporting)
 
 
 def carrying_planes(graph: ContactGraph, position: int) -> Int[np.ndarray, " planes"]:
@@ -54,11 +52,10 @@ def entity_features(
     return EntityFeatures(box, normal, offset, valid, carries, wall_normal)
 
 
-def model_features(model: CadModel, columns: np.ndarray, width: int) -> ModelFeatures:
-    """Feature row of one model, padded to ``width`` planes."""
-    size = np.asarray(model.size, np.float32)
-    normal, offset, valid = _pad(model.planes, columns, width)
-    return ModelFeatures(size, normal, offset, valid)
+def model_features(arrays: LibraryArrays, rows: np.ndarray, width: int) -> ModelFeatures:
+    """Features [rows] of models of a library, cut or padded to ``width`` planes."""
+    normal, offset = arrays.normal[rows, :width], arrays.offset[rows, :width]
+    return ModelFeatures(arrays.size[rows], normal, offset, arrays.valid[rows, :width])
 
 
 def _pad(

@@ -10,13 +10,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
+from ..cad_arrays import MAX_MODEL_PLANES
 from ..cad_types import CadLibrary
 from ..config import MatchingSettings
 from ..geometry import CUBE_ROTATIONS
 from ..types import Array, ContactGraph, Entity
 from .assignment import assignment_cost
 from .costs import EntityFeatures, ModelFeatures, pair_terms
-from .features import MAX_ENTITY_PLANES, MAX_MODEL_PLANES, entity_features, model_features
+from .features import MAX_ENTITY_PLANES, entity_features, model_features
 
 BLOCK = 32
 """Pairs a call: 768 lanes, whose 2^8 sets stay in the cache (measured: 2x the speed of 1536)."""
@@ -47,7 +48,6 @@ class Query:
 def all_errors(
     queries: Sequence[Query],
     library: CadLibrary,
-    columns: Sequence[np.ndarray],
     settings: MatchingSettings,
     up_cosine: float,
 ) -> list[Float[np.ndarray, "models 24"]]:
@@ -58,12 +58,12 @@ def all_errors(
     """
     results = [np.full((len(q.models), 24), np.inf, np.float32) for q in queries]
     numbers = _numbers(settings, up_cosine)
-    for (height, width), members in _by_shape(queries, columns).items():
+    for (height, width), members in _by_shape(queries, library).items():
         number, slot, model = np.array(members).T
         askers, x_row = np.unique(number, return_inverse=True)
         asked, y_row = np.unique(model, return_inverse=True)
         x = stack([queries[n].features(height) for n in askers.tolist()])
-        y = stack([model_features(library[m], columns[m], width) for m in asked.tolist()])
+        y = model_features(library.arrays, asked, width)
         for rows, count in blocks(len(members)):
             error = matching_errors(take(x, x_row[rows]), take(y, y_row[rows]), *numbers)
             for row, each in zip(rows[:count], np.asarray(error), strict=False):
@@ -72,13 +72,14 @@ def all_errors(
 
 
 def _by_shape(
-    queries: Sequence[Query], columns: Sequence[np.ndarray]
+    queries: Sequence[Query], library: CadLibrary
 ) -> dict[tuple[int, int], list[tuple[int, int, int]]]:
     """(query, slot, model) of every pair, by the padded numbers of planes of both."""
     groups: dict[tuple[int, int], list[tuple[int, int, int]]] = {}
+    columns = [_width(count, _COLUMNS) for count in library.arrays.plane_count.tolist()]
     for number, query in enumerate(queries):
         for slot, model in enumerate(query.models.tolist()):
-            shape = _width(len(query.rows), _ROWS), _width(len(columns[model]), _COLUMNS)
+            shape = _width(len(query.rows), _ROWS), columns[model]
             groups.setdefault(shape, []).append((number, slot, model))
     return groups
 

@@ -59,7 +59,7 @@ def _without_twins(
 
     The paper keeps them; of ten places a round table would take ten.
     """
-    symmetry = np.array([entry.symmetry for entry in library.models])[model[order]]
+    symmetry = library.arrays.symmetry[model[order]]
     key = rotation[order].copy()
     for order_of_symmetry, turns in _TURNS.items():
         key = np.where(symmetry == order_of_symmetry, turns[rotation[order]], key)

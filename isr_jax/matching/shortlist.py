@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.optimize import linear_sum_assignment
 
+from ..cad_arrays import MAX_MODEL_PLANES
 from ..cad_types import CadLibrary
 from ..classes import class_named
 from ..config import ContactGraphSettings, MatchingSettings
@@ -17,10 +18,8 @@ from ..types import ContactGraph, Entities, Shortlist
 from .costs import pair_terms
 from .features import (
     MAX_ENTITY_PLANES,
-    MAX_MODEL_PLANES,
     carrying_planes,
     entity_rows,
-    model_columns,
     model_features,
 )
 from .scoring import Query, all_errors, blocks, stack, take, unmatched_price
@@ -47,13 +46,12 @@ def match(
         up_cosine: A plane is supporting if its normal's z is at least this.
     """
     queries = _queries(scenes, graphs, library, settings)
-    columns = [model_columns(model) for model in library.models]
-    errors = all_errors(queries, library, columns, settings, up_cosine)
+    errors = all_errors(queries, library, settings, up_cosine)
     picked = [
         pick_best(query.models, error, library, settings)
         for query, error in zip(queries, errors, strict=True)
     ]
-    matches = _plane_matches(queries, picked, library, columns, settings, up_cosine)
+    matches = _plane_matches(queries, picked, library, settings, up_cosine)
     ours = [[i for i, q in enumerate(queries) if q.scene == s] for s in range(len(scenes))]
     return [
         _shortlist_of([queries[i] for i in o], [picked[i] for i in o], [matches[i] for i in o])
@@ -86,7 +84,6 @@ def _plane_matches(
     queries: list[Query],
     picked: list[Picked],
     library: CadLibrary,
-    columns: Sequence[np.ndarray],
     settings: MatchingSettings,
     up_cosine: float,
 ) -> list[Int[np.ndarray, "picked planes"]]:
@@ -107,7 +104,7 @@ def _plane_matches(
     turn = CUBE_ROTATIONS[np.concatenate([p.rotation for p in picked])]
     asked, y_row = np.unique(model, return_inverse=True)
     x = stack([query.features(MAX_ENTITY_PLANES) for query in queries])
-    y = stack([model_features(library[m], columns[m], MAX_MODEL_PLANES) for m in asked.tolist()])
+    y = model_features(library.arrays, asked, MAX_MODEL_PLANES)
     up = np.asarray(up_cosine, np.float32)
     price = np.asarray(unmatched_price(x, np.asarray(settings.unmatched_cost, np.float32)))
     for block, count in blocks(len(members)):
@@ -117,7 +114,7 @@ def _plane_matches(
             chosen = _assign(cost[: len(planes)], price[number[row], : len(planes)])
             found = chosen >= 0
             match = matches[number[row]][rank[row]]
-            match[planes[found]] = columns[int(model[row])][chosen[found]]
+            match[planes[found]] = library.arrays.column[model[row], chosen[found]]
     return matches
 
 

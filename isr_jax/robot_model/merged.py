@@ -10,7 +10,10 @@ from .model import RobotModel
 
 
 def merged_mesh(robot: RobotModel) -> Mesh:
-    """All visuals in the root frame, joints at zero, coloured by their material."""
+    """All visuals in the root frame, joints at zero.
+
+    Coloured a vertex where a visual is, else by its material (a texture's mean colour).
+    """
     poses = link_transforms(robot)
     vertices, faces, colors, count = [], [], [], 0
     for link in robot.links:
@@ -20,6 +23,7 @@ def merged_mesh(robot: RobotModel) -> Mesh:
             vertices.append(points.astype(np.float32))
             faces.append(visual.mesh.faces + np.int32(count))
             rgb = np.rint(255 * np.clip(visual.rgba[:3], 0, 1)).astype(np.uint8)
-            colors.append(np.tile(rgb, (len(points), 1)))
+            own = visual.mesh.colors
+            colors.append(np.tile(rgb, (len(points), 1)) if own is None else own)
             count += len(points)
     return Mesh(np.concatenate(vertices), np.concatenate(faces), np.concatenate(colors))

@@ -1,7 +1,9 @@
 """Border: URDF of a model, and the model of a URDF that was written here (plain XML).
 
 What is written reads back equal: numbers are the shortest decimals of their own precision.
-Collision hulls that are axis-aligned boxes are written as ``<box>``, all others as meshes.
+Collision hulls that are axis-aligned boxes are written as ``<box>``, all others as meshes. The
+friction of a link is written as PyBullet reads it; textures as ``<texture>`` and as MTL files.
+Shapes are named after their links too: MuJoCo warns of names that occur twice in a file.
 """
 
 from __future__ import annotations
@@ -15,13 +17,14 @@ import numpy as np
 
 from ..errors import OutputError, SceneError
 from ..types import Mesh
-from .model import Joint, Link, RobotModel, Visual
-from .obj import obj_text, read_obj_text
+from .mesh_files import mesh_contents, read_mesh_file
+from .model import Joint, Link, RobotModel, Texture, Visual
+from .mtl import image_name
 from .primitives import as_box, bounds_of, box_between, center_and_size
 
 Element = ET.Element
-MeshUri = Callable[[Mesh, str], str]
-"""Stores a mesh under about this stem and says the URI to write."""
+MeshUri = Callable[[Mesh, str, Texture | None], str]
+"""Stores a mesh and its texture under about this stem and says the URI to write."""
 
 _EFFORT_LIMIT = 100.0  # N or N m; URDF demands one, nothing here limits effort
 _VELOCITY_LIMIT = 2.0  # m/s or rad/s, likewise
@@ -42,14 +45,15 @@ def robot_elements(model: RobotModel, prefix: str, mesh_uri: MeshUri) -> list[El
 
 
 def urdf_files(model: RobotModel) -> dict[str, bytes]:
-    """Contents by relative path: ``model.urdf`` and ``meshes/*.obj``."""
+    """Contents by relative path: ``model.urdf``, and OBJ, MTL and image files in ``meshes/``."""
     files: dict[str, bytes] = {}
 
-    def mesh_uri(mesh: Mesh, stem: str) -> str:
+    def mesh_uri(mesh: Mesh, stem: str, texture: Texture | None) -> str:
         path = f"meshes/{stem}.obj"
         if path in files:
             raise OutputError(f"two meshes of {model.name} are called {stem}", "rename a visual")
-        files[path] = obj_text(mesh).encode()
+        written = mesh_contents(mesh, stem, texture)
+        files.update({f"meshes/{name}": content for name, content in written.items()})
         return path
 
     root = ET.Element("robot", name=_checked(model.name))
@@ -87,23 +91,37 @@ def _link_element(link: Link, prefix: str, mesh_uri: MeshUri) -> Element:
         ET.SubElement(inertial, "mass", value=_number(link.mass_kg))
         entries = {key: _number(link.inertia[a, b]) for a, b, key in _MOMENTS}
         ET.SubElement(inertial, "inertia", entries)
+    contact = ET.SubElement(element, "contact")
+    ET.SubElement(contact, "lateral_friction", value=_number(link.friction))
     for visual in link.visuals:
-        shape = ET.SubElement(element, "visual", name=_checked(visual.name))
-        uri = mesh_uri(visual.mesh, f"{prefix}{link.name}_{visual.name}")
-        ET.SubElement(ET.SubElement(shape, "geometry"), "mesh", filename=uri)
-        shade = "".join(f"{round(255 * min(max(c, 0.0), 1.0)):02x}" for c in visual.rgba)
-        material = ET.SubElement(shape, "material", name=f"{visual.name}_{shade}")
-        ET.SubElement(material, "color", rgba=_row(visual.rgba))
+        element.append(_visual_element(visual, f"{prefix}{link.name}_{visual.name}", mesh_uri))
     for i, hull in enumerate(link.hulls):
-        shape = ET.SubElement(element, "collision", name=f"hull_{i}")
-        bounds = as_box(hull)
-        if bounds is None:
-            uri = mesh_uri(hull, f"{prefix}{link.name}_hull_{i}")
-            ET.SubElement(ET.SubElement(shape, "geometry"), "mesh", filename=uri)
-            continue
-        center, size = center_and_size(*bounds)
-        ET.SubElement(shape, "origin", xyz=" ".join(center), rpy="0 0 0")
-        ET.SubElement(ET.SubElement(shape, "geometry"), "box", size=" ".join(size))
+        element.append(_hull_element(hull, f"{prefix}{link.name}_hull_{i}", mesh_uri))
+    return element
+
+
+def _visual_element(visual: Visual, name: str, mesh_uri: MeshUri) -> Element:
+    element = ET.Element("visual", name=_checked(name))
+    uri = mesh_uri(visual.mesh, name, visual.texture)
+    ET.SubElement(ET.SubElement(element, "geometry"), "mesh", filename=uri)
+    shade = "".join(f"{round(255 * min(max(c, 0.0), 1.0)):02x}" for c in visual.rgba)
+    material = ET.SubElement(element, "material", name=f"{visual.name}_{shade}")
+    ET.SubElement(material, "color", rgba=_row(visual.rgba))
+    if visual.texture is not None:
+        image = uri.rpartition("/")[0] + "/" + image_name(visual.texture)
+        ET.SubElement(material, "texture", filename=image)
+    return element
+
+
+def _hull_element(hull: Mesh, name: str, mesh_uri: MeshUri) -> Element:
+    element, bounds = ET.Element("collision", name=name), as_box(hull)
+    if bounds is None:
+        uri = mesh_uri(hull, name, None)
+        ET.SubElement(ET.SubElement(element, "geometry"), "mesh", filename=uri)
+        return element
+    center, size = center_and_size(*bounds)
+    ET.SubElement(element, "origin", xyz=" ".join(center), rpy="0 0 0")
+    ET.SubElement(ET.SubElement(element, "geometry"), "box", size=" ".join(size))
     return element
 
 
@@ -126,7 +144,7 @@ def joint_element(joint: Joint, prefix: str = "") -> Element:
 
 
 def read_urdf(path: Path) -> RobotModel:
-    """The model of a URDF with box and OBJ collisions and named visuals; raises `SceneError`."""
+    """The model of a URDF with box and OBJ shapes and named visuals; raises `SceneError`."""
     try:
         root = ET.fromstring(path.read_bytes())
         links = {_get(e, "name"): _read_link(e, path.parent) for e in root.findall("link")}
@@ -172,33 +190,36 @@ def _read_link(element: Element, folder: Path) -> Link:
             inertia[a, b] = inertia[b, a] = float(moments.get(key, 0))
         if not np.array_equal(T[:3, :3], np.eye(3)):
             inertia = T[:3, :3] @ inertia @ T[:3, :3].T
-    visuals = [_read_visual(e, i, folder) for i, e in enumerate(element.findall("visual"))]
-    hulls = [_read_shape(e, folder) for e in element.findall("collision")]
-    return Link(_get(element, "name"), tuple(visuals), tuple(hulls), mass, com, inertia)
+    link_name = _get(element, "name")
+    visuals = [
+        _read_visual(e, f"visual_{i}", link_name + "_", folder)
+        for i, e in enumerate(element.findall("visual"))
+    ]
+    hulls = [_read_shape(e, folder)[0] for e in element.findall("collision")]
+    grip = element.find("contact/lateral_friction")
+    friction = Link.friction if grip is None else _floats(_get(grip, "value"))[0]
+    return Link(link_name, tuple(visuals), tuple(hulls), mass, com, inertia, friction)
 
 
-def _read_visual(element: Element, index: int, folder: Path) -> Visual:
+def _read_visual(element: Element, unnamed: str, prefix: str, folder: Path) -> Visual:
     color = element.find("material/color")
     shade = "0.7 0.7 0.7 1" if color is None else _get(color, "rgba")
     red, green, blue, alpha = _floats(shade)
-    name = element.get("name", f"visual_{index}")
-    return Visual(name, _read_shape(element, folder), (red, green, blue, alpha))
+    name = element.get("name", unnamed).removeprefix(prefix)
+    mesh, texture = _read_shape(element, folder)
+    return Visual(name, mesh, (red, green, blue, alpha), texture)
 
 
-def _read_shape(element: Element, folder: Path) -> Mesh:
+def _read_shape(element: Element, folder: Path) -> tuple[Mesh, Texture | None]:
     T, box = _read_origin(element), element.find("geometry/box")
     if box is not None and np.array_equal(T[:3, :3], np.eye(3)):
         origin = element.find("origin")
         center = "0 0 0" if origin is None else origin.get("xyz", "0 0 0")
-        return box_between(*bounds_of(center.split(), _get(box, "size").split()))
+        return box_between(*bounds_of(center.split(), _get(box, "size").split())), None
     mesh = element.find("geometry/mesh")
     if mesh is None or not np.array_equal(T, np.eye(4)) or mesh.get("scale"):
         raise ValueError("a shape is neither an upright box nor a mesh in its link's frame")
-    path = folder / _get(mesh, "filename")
-    try:
-        return read_obj_text(path.read_text("utf-8"))
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from None
+    return read_mesh_file(folder / _get(mesh, "filename"))
 
 
 def _read_joint(element: Element) -> Joint:
@@ -241,12 +262,16 @@ def _turn(axis: int, angle: float) -> np.ndarray:
 
 
 def _rpy(R: np.ndarray) -> np.ndarray:
-    """Roll, pitch, yaw with R = Rz(yaw) Ry(pitch) Rx(roll); yaw = 0 where the two coincide."""
+    """Roll, pitch, yaw with R = Rz(yaw) Ry(pitch) Rx(roll); yaw = 0 where the two coincide.
+
+    To 12 decimals: what was read is written again the same.
+    """
     cosine = np.hypot(R[0, 0], R[1, 0])
     pitch = np.arctan2(-R[2, 0], cosine)
+    roll, yaw = np.arctan2(R[2, 1], R[2, 2]), np.arctan2(R[1, 0], R[0, 0])
     if cosine < 1e-7:
-        return np.array([np.arctan2(-R[1, 2], R[1, 1]), pitch, 0.0])
-    return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch, np.arctan2(R[1, 0], R[0, 0])])
+        roll, yaw = np.arctan2(-R[1, 2], R[1, 1]), 0.0
+    return np.round([roll, pitch, yaw], 12) + 0.0
 
 
 def _floats(text: str) -> list[float]:

@@ -1,1 +1,24 @@
-"""Foreign CAD models, read and made into models of a library."""
+"""Foreign CAD models: read, checked, converted, and added to a library."""
+
+from .add import AddOptions, add_models
+from .add_report import Added, AddReport, Rejected, report_tables
+from .convert import convert
+from .found import FoundModel
+from .limits import ReadLimits
+from .settings import ConvertSettings
+from .sources import Item, find_models
+
+__all__ = [
+    "AddOptions",
+    "AddReport",
+    "Added",
+    "ConvertSettings",
+    "FoundModel",
+    "Item",
+    "ReadLimits",
+    "Rejected",
+    "add_models",
+    "convert",
+    "find_models",
+    "report_tables",
+]

@@ -38,6 +38,8 @@ class FoundModel:
     mass_kg: float | None = None
     mount: str | None = None
     """``floor``, ``surface``, ``wall`` or ``opening``."""
+    elevation_m: float | None = None
+    """Stated height of its underside above the floor: hung, or put on something."""
     handles: dict[str, Vector] = dataclasses.field(default_factory=dict)
     """Stated handle of a joint, by the joint's name: point in its child link's frame."""
     notes: tuple[str, ...] = ()

@@ -6,15 +6,16 @@ import dataclasses
 
 import numpy as np
 
-from ...cad_types import CadModel, held
+from ...cad_types import CadModel, Handle, held
 from ...classes import class_named
 from ...robot_model import Joint, Link, RobotModel, Visual, combined_properties, solid_properties
 from ...robot_model.model import JointKind
-from ...types import Mesh, PlaneSet
+from ...types import PlaneSet
 from ..model_files import with_content_hash
 from .materials import Material
-from .solids import Solid, fan_triangles, rounded
+from .solids import Solid, rounded
 from .surfaces import Piece, Plane, model_planes
+from .uv import visual_mesh
 
 BASE = "base"
 LICENCE = "MIT"
@@ -30,29 +31,35 @@ class _Part:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class _Hinge:
-    """A joint whose child frame stands at ``origin``, design coordinates."""
+class _Joint:
+    """A joint in design coordinates; its child's frame stands at ``origin`` if it has one."""
 
     kind: JointKind
     child: str
     parent: str
-    origin: np.ndarray
+    origin: np.ndarray | None
     axis: np.ndarray
+    lower: float
     upper: float
     damping: float
     friction: float
+    at: np.ndarray | None
+    """Where a hand moves it; None: at the handle."""
 
 
 class ModelBuilder:
     """Collects convex parts and joints in design coordinates: z = 0 below, front towards -y.
 
-    Parts touch, they never overlap: then masses add up and no hull presses on another.
+    Parts touch, they never overlap: then masses add up and no hull presses on another. All
+    joints are closed; whatever moves keeps 2 mm from everything else over its whole travel.
     """
 
-    def __init__(self, class_name: str, name: str, *, symmetry: int) -> None:
-        self._class_name, self._name, self._symmetry = class_name, name, symmetry
+    def __init__(self, class_name: str, *, symmetry: int, mount: str | None = None) -> None:
+        self.class_name = class_name
+        self._symmetry = symmetry
+        self._mount = mount or class_named(class_name).mount
         self._parts: list[_Part] = []
-        self._joints: list[_Hinge] = []
+        self._joints: list[_Joint] = []
 
     def add(
         self,
@@ -74,32 +81,106 @@ class ModelBuilder:
         """Links so far, in order."""
         return list(dict.fromkeys(part.link for part in self._parts))
 
+    @property
+    def size(self) -> np.ndarray:
+        """[3] box with joints closed and handles left out, metres."""
+        low, high = self._bounds()
+        return high - low
+
     def hinge(
-        self, child: str, origin, axis, upper_rad: float, *, damping=0.4, friction=0.3
+        self,
+        child: str,
+        origin,
+        axis,
+        upper_rad: float,
+        *,
+        parent: str = BASE,
+        lower_rad: float = 0.0,
+        damping: float = 0.4,
+        friction: float = 0.3,
+        at=None,
     ) -> None:
-        """A door's hinge, closed at zero, that opens to ``upper_rad``."""
-        self._join("revolute", child, origin, axis, upper_rad, damping, friction)
+        """A door's hinge through ``origin``, closed at zero, that opens to ``upper_rad``.
 
-    def slide(self, child: str, axis, upper_m: float, *, damping=6.0, friction=2.0) -> None:
-        """A drawer's rails, closed at zero, that draw out to ``upper_m``."""
-        self._join("prismatic", child, (0, 0, 0), axis, upper_m, damping, friction)
+        Args:
+            child: Link that turns.
+            origin: Point on the axis, design coordinates; the child's frame stands there.
+            axis: Unit, design coordinates.
+            upper_rad: Upper limit.
+            parent: Link that the hinge is on.
+            lower_rad: Lower limit, at most 0.
+            damping: N m s/rad.
+            friction: Coulomb friction, N m.
+            at: Where a hand pulls, design coordinates; by default the middle of the handle.
+        """
+        limits = (lower_rad, upper_rad)
+        self._join("revolute", child, parent, origin, axis, limits, (damping, friction), at)
 
-    def _join(self, kind: JointKind, child, origin, axis, upper, damping, friction) -> None:
-        at, along = np.asarray(origin, np.float64), np.asarray(axis, np.float64)
-        hinge = _Hinge(kind, child, BASE, at, along, float(upper), float(damping), float(friction))
-        self._joints.append(hinge)
+    def slide(
+        self,
+        child: str,
+        axis,
+        upper_m: float,
+        *,
+        parent: str = BASE,
+        damping: float = 6.0,
+        friction: float = 2.0,
+        at=None,
+    ) -> None:
+        """A drawer's rails, closed at zero, that draw out to ``upper_m`` (N s/m, N)."""
+        self._join("prismatic", child, parent, None, axis, (0.0, upper_m), (damping, friction), at)
 
-    def build(self) -> CadModel:
-        """The model, its root frame at the centre of its box."""
-        body = np.concatenate([p.solid.vertices for p in self._parts if not p.is_handle])
-        low, high = body.min(0), body.max(0)
+    def knob(
+        self,
+        child: str,
+        origin,
+        axis,
+        upper_rad: float,
+        *,
+        parent: str = BASE,
+        lower_rad: float = 0.0,
+        damping: float = 0.002,
+        friction: float = 0.01,
+        at=None,
+    ) -> None:
+        """A hinge with the losses of something turned by two fingers."""
+        limits = (lower_rad, upper_rad)
+        self._join("revolute", child, parent, origin, axis, limits, (damping, friction), at)
+
+    def swivel(
+        self,
+        child: str,
+        origin,
+        axis=(0, 0, 1),
+        *,
+        parent: str = BASE,
+        damping: float = 0.1,
+        friction: float = 0.3,
+        at=None,
+    ) -> None:
+        """A joint that turns without end, as the seat of an office chair does."""
+        self._join("continuous", child, parent, origin, axis, (0, 0), (damping, friction), at)
+
+    def _join(self, kind: JointKind, child, parent, origin, axis, limits, losses, at) -> None:
+        def point(values) -> np.ndarray | None:
+            return None if values is None else np.asarray(values, np.float64)
+
+        along = np.asarray(axis, np.float64)
+        lower, upper = (float(v) for v in limits)
+        damping, friction = (float(v) for v in losses)
+        frame = (kind, child, parent, point(origin), along)
+        self._joints.append(_Joint(*frame, lower, upper, damping, friction, point(at)))
+
+    def build(self, name: str) -> CadModel:
+        """The model ``<class>/<name>``, its root frame at the centre of its box."""
+        low, high = self._bounds()
         center = (low + high) / 2
-        robot = self._robot(center)
+        robot = self._robot(name, center)
         pieces = [Piece(p.solid, p.link, p.carries) for p in self._parts if not p.is_handle]
         planes = model_planes(pieces, high - low)
         model = CadModel(
-            id=f"{self._class_name}/{self._name}",
-            class_name=self._class_name,
+            id=f"{self.class_name}/{name}",
+            class_name=self.class_name,
             load_robot=held(robot),
             moving_joints=tuple(joint.name for joint in robot.moving_joints),
             size=rounded(high - low),
@@ -107,34 +188,35 @@ class ModelBuilder:
             plane_link=tuple(p.link for p in planes),
             plane_supporting=np.array([p.supporting for p in planes], bool),
             symmetry=self._symmetry,
-            mount=class_named(self._class_name).mount,
+            mount=self._mount,
             licence=LICENCE,
             content_hash="",
+            handles=tuple(self._handle(joint, center) for joint in self._ordered_joints()),
         )
         return with_content_hash(model)
 
-    def _robot(self, center: np.ndarray) -> RobotModel:
-        origins = {BASE: center}
-        for hinge in self._joints:
-            origins[hinge.child] = hinge.origin if hinge.kind == "revolute" else center
-        links = [self._link(name, origin) for name, origin in origins.items()]
-        joints = [self._joint(h, origins) for h in self._joints]
-        return RobotModel(f"{self._class_name}_{self._name}", tuple(links), tuple(joints))
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        body = np.concatenate([p.solid.vertices for p in self._parts if not p.is_handle])
+        return body.min(0), body.max(0)
 
-    def _joint(self, hinge: _Hinge, origins: dict[str, np.ndarray]) -> Joint:
-        T = np.eye(4)
-        T[:3, 3] = np.round(origins[hinge.child] - origins[hinge.parent], 7)
-        return Joint(
-            name=f"{hinge.child}_joint",
-            kind=hinge.kind,
-            parent=hinge.parent,
-            child=hinge.child,
-            T_parent_child=T,
-            axis=hinge.axis,
-            upper=hinge.upper,
-            damping=hinge.damping,
-            friction=hinge.friction,
-        )
+    def _ordered_joints(self) -> list[_Joint]:
+        """Every joint after the one that carries its parent."""
+        known, ordered, waiting = {BASE}, [], list(self._joints)
+        while waiting:
+            joint = next(j for j in waiting if j.parent in known)
+            waiting.remove(joint)
+            ordered.append(joint)
+            known.add(joint.child)
+        return ordered
+
+    def _robot(self, name: str, center: np.ndarray) -> RobotModel:
+        joints = self._ordered_joints()
+        origins = {BASE: center}
+        for joint in joints:
+            origins[joint.child] = center if joint.origin is None else joint.origin
+        links = [self._link(link, origin) for link, origin in origins.items()]
+        moving = [_robot_joint(joint, origins) for joint in joints]
+        return RobotModel(f"{self.class_name}_{name}", tuple(links), tuple(moving))
 
     def _link(self, name: str, origin: np.ndarray) -> Link:
         parts = [
@@ -148,38 +230,63 @@ class ModelBuilder:
         )
         materials = dict.fromkeys(p.material for p in parts)
         visuals = [
-            Visual(m.name, _visual_mesh([p.solid for p in parts if p.material == m]), m.rgba)
+            Visual(m.name, visual_mesh([p.solid for p in parts if p.material == m]), m.rgba)
             for m in materials
         ]
         noise = 1e-9 * np.trace(inertia)
         inertia = np.array([[_digits(v) if abs(v) > noise else 0.0 for v in r] for r in inertia])
         com = np.round(com, 6) + 0.0
-        return Link(name, tuple(visuals), hulls, _digits(mass), com, inertia)
+        area_m2 = {m: sum(p.solid.area_m2 for p in parts if p.material == m) for m in materials}
+        friction = max(materials, key=lambda m: round(area_m2[m], 6)).friction
+        return Link(name, tuple(visuals), hulls, _digits(mass), com, inertia, friction)
+
+    def _handle(self, joint: _Joint, center: np.ndarray) -> Handle:
+        """Where a hand moves ``joint``, in its child's frame."""
+        origin = center if joint.origin is None else joint.origin
+        at, parts = joint.at, [p for p in self._parts if p.link == joint.child]
+        grips = [p.solid.vertices for p in parts if p.is_handle]
+        estimated = at is None and not grips
+        if at is None and grips:
+            points = np.concatenate(grips)
+            at = (points.min(0) + points.max(0)) / 2
+        elif at is None:
+            at = _farthest(joint, np.concatenate([p.solid.vertices for p in parts]))
+        position = np.round(at - origin, 6) + 0.0
+        return Handle(f"{joint.child}_joint", joint.child, position, estimated)
+
+
+def _farthest(joint: _Joint, points: np.ndarray) -> np.ndarray:
+    """The point farthest from a hinge's axis, or along a slide; the middle of such an edge."""
+    along = points @ joint.axis
+    if joint.origin is None:
+        return points[along > along.max() - 1e-6].mean(0)
+    arms = points - joint.origin
+    arms -= np.outer(arms @ joint.axis, joint.axis)
+    reach = np.round(np.linalg.norm(arms, axis=1), 6)
+    first = arms[int(np.argmax(reach))]
+    return points[np.linalg.norm(arms - first, axis=1) < 1e-6].mean(0)
+
+
+def _robot_joint(joint: _Joint, origins: dict[str, np.ndarray]) -> Joint:
+    T = np.eye(4)
+    T[:3, 3] = np.round(origins[joint.child] - origins[joint.parent], 7)
+    return Joint(
+        name=f"{joint.child}_joint",
+        kind=joint.kind,
+        parent=joint.parent,
+        child=joint.child,
+        T_parent_child=T,
+        axis=joint.axis,
+        lower=joint.lower,
+        upper=joint.upper,
+        damping=joint.damping,
+        friction=joint.friction,
+    )
 
 
 def _digits(value: float) -> float:
     """Seven digits: more would differ between machines in the last ones."""
     return float(f"{value:.7g}")
-
-
-def _visual_mesh(solids: list[Solid]) -> Mesh:
-    """What is seen of the solids; staves of one wall share corners, so that it stays closed."""
-    vertices: list[tuple[float, ...]] = []
-    rows: dict[tuple, int] = {}
-    polygons = []
-    for i, solid in enumerate(solids):
-        # Only staves share corners with others; touching boxes stay closed bodies of their own.
-        body = -1 if solid.hidden else i
-        corners = [tuple(v) for v in rounded(solid.vertices).tolist()]
-        for k, face in enumerate(solid.faces):
-            if k in solid.hidden:
-                continue
-            for c in face:
-                if (body, corners[c]) not in rows:
-                    rows[body, corners[c]] = len(vertices)
-                    vertices.append(corners[c])
-            polygons.append([rows[body, corners[c]] for c in face])
-    return Mesh(np.array(vertices, np.float32), fan_triangles(polygons))
 
 
 def _plane_set(planes: list[Plane], center: np.ndarray) -> PlaneSet:

@@ -9,12 +9,15 @@ from typing import Literal
 
 import numpy as np
 
+from ...errors import SettingError
 from ...robot_model.primitives import BOX_QUADS
 from ...types import Mesh
 
 ROUND_SIDES = 16
 """Sides of round things: a multiple of 4, so that they reach their full width."""
 Axis = Literal["x", "y", "z"]
+Radius = float | tuple[float, float]
+"""Of a round thing, or half-widths along x and y of an oval one, metres."""
 _GRID_M = 1e-6
 """Vertices lie on this grid, so that files are short and equal on every machine."""
 
@@ -30,18 +33,39 @@ class Solid:
     """Faces that touch a neighbour piece of the same body, left out of what is seen."""
     curved: frozenset[int] = frozenset()
     """Faces that stand for a round surface, and are no planes of the model."""
+    wall: int = 0
+    """Pieces with hidden faces and the same number share the corners of what is seen of them."""
 
     def moved(self, offset: np.ndarray) -> Solid:
         return dataclasses.replace(self, vertices=self.vertices + offset)
 
+    def shown(self, faces: set[int], wall: int = 0) -> Solid:
+        """The solid with some of its hidden faces in sight: the ends of an open wall."""
+        return dataclasses.replace(self, hidden=self.hidden - faces, wall=wall)
+
+    @functools.cached_property
+    def _areas_and_centers(self) -> tuple[np.ndarray, np.ndarray]:
+        """[faces, 3] normal times area, and the mean of the corners."""
+        areas, centers = np.empty((2, len(self.faces), 3))
+        sizes = [len(face) for face in self.faces]
+        for size in dict.fromkeys(sizes):
+            rows = [k for k, other in enumerate(sizes) if other == size]
+            polygons = self.vertices[np.array([self.faces[k] for k in rows])]
+            areas[rows], centers[rows] = area_vector(polygons), polygons.mean(1)
+        return areas, centers
+
     @functools.cached_property
     def planes(self) -> np.ndarray:
         """[faces, 4] outward normal and offset; inside: n . v + d <= 0 for all."""
-        polygons = [self.vertices[list(face)] for face in self.faces]
-        areas = np.array([area_vector(polygon) for polygon in polygons])
+        areas, centers = self._areas_and_centers
         normals = areas / np.linalg.norm(areas, axis=1, keepdims=True)
-        centers = np.array([polygon.mean(0) for polygon in polygons])
         return np.column_stack([normals, -(normals * centers).sum(1)])
+
+    @functools.cached_property
+    def area_m2(self) -> float:
+        """Of its faces, hidden ones left out."""
+        areas = np.linalg.norm(self._areas_and_centers[0], axis=1)
+        return float(sum(a for k, a in enumerate(areas) if k not in self.hidden))
 
     def mesh(self) -> Mesh:
         """Closed triangle mesh of the hull."""
@@ -49,10 +73,20 @@ class Solid:
 
 
 def area_vector(polygon: np.ndarray) -> np.ndarray:
-    """Normal times area of a polygon [corners, 3], also when rounding bends it a little."""
-    p, q = polygon, np.concatenate([polygon[1:], polygon[:1]])
-    terms = p[:, (1, 2, 0)] * q[:, (2, 0, 1)] - p[:, (2, 0, 1)] * q[:, (1, 2, 0)]
-    return terms.sum(0) / 2
+    """Normal times area of polygons [..., corners, 3], also when rounding bends them a little."""
+    p, q = polygon, np.concatenate([polygon[..., 1:, :], polygon[..., :1, :]], -2)
+    terms = p[..., (1, 2, 0)] * q[..., (2, 0, 1)] - p[..., (2, 0, 1)] * q[..., (1, 2, 0)]
+    return terms.sum(-2) / 2
+
+
+def plane_axes(normal: np.ndarray) -> np.ndarray:
+    """[2, 3] u level and v as steep as it gets, u x v = normal; x and y on level planes."""
+    a, b, c = normal.tolist()
+    if abs(c) > 0.999:
+        return np.array([[1.0, 0.0, 0.0], [0.0, c, -b]])
+    level = (a * a + b * b) ** 0.5
+    x, y = -b / level, a / level
+    return np.array([[x, y, 0.0], [-c * y, c * x, a * y - b * x]])
 
 
 def rounded(vertices: np.ndarray) -> np.ndarray:
@@ -71,8 +105,23 @@ def between(a: float, b: float) -> tuple[float, float]:
     return (a, b) if a < b else (b, a)
 
 
+def _refuse_empty(*bounds: tuple[float, float]) -> None:
+    """Raise `SettingError` where a part would have no extent."""
+    for low, high in bounds:
+        if not low < high:
+            problem = f"a part would reach from {low:.4g} m to {high:.4g} m"
+            raise SettingError(problem, "ask for a larger model, or give its parts smaller sizes")
+
+
+def split(low: float, high: float, count: int) -> list[float]:
+    """Ends of ``count`` equal spans, those within on tenths of a millimetre."""
+    inner = [round(low + (high - low) * k / count, 4) for k in range(1, count)]
+    return [low, *inner, high]
+
+
 def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Solid:
     """An axis-aligned box between the given bounds."""
+    _refuse_empty(x, y, z)
     low, high = np.array([x[0], y[0], z[0]]), np.array([x[1], y[1], z[1]])
     corners = [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
     return Solid(np.where(corners, high, low).astype(np.float64), BOX_QUADS)
@@ -94,20 +143,25 @@ def prism(
 
 
 def circle(
-    radius: float, sides: int = ROUND_SIDES, center: tuple[float, float] = (0.0, 0.0)
+    radius: Radius, sides: int = ROUND_SIDES, center: tuple[float, float] = (0.0, 0.0)
 ) -> np.ndarray:
-    """Corners [sides, 2] of a regular polygon that reaches ``radius`` along both axes."""
+    """Corners [sides, 2] of a polygon that reaches ``radius``, or half-widths, along both axes."""
     angle = 2 * np.pi * np.arange(sides) / sides
-    return np.asarray(center) + radius * np.stack([np.cos(angle), np.sin(angle)], 1)
+    unit = np.stack([np.cos(angle), np.sin(angle)], 1)
+    return np.asarray(center) + np.asarray(radius, np.float64) * unit
 
 
 def frustum(
-    radii: tuple[float, float],
+    radii: tuple[Radius, Radius],
     z: tuple[float, float],
     center: tuple[float, float] = (0.0, 0.0),
     sides: int = ROUND_SIDES,
 ) -> Solid:
-    """An upright round piece, its radius going from ``radii[0]`` at the bottom to ``radii[1]``."""
+    """An upright round piece, its radius going from ``radii[0]`` at the bottom to ``radii[1]``.
+
+    Either may be two half-widths (x, y); both ends have equal proportions then.
+    """
+    _refuse_empty(z)
     ends = [
         np.column_stack([circle(r, sides, center), np.full(sides, h)]) for r, h in zip(radii, z)
     ]

@@ -8,31 +8,29 @@ import functools
 import numpy as np
 from scipy import ndimage
 
-from .solids import Solid, area_vector
+from .solids import area_vector, plane_axes
+from .space import PROBE_M, Piece, Space
 
 MAX_PLANES = 16
+MIN_OTHER_PLANES = 8
+"""The largest ones that carry nothing stay, however many shelves there are: its outer sides."""
 MIN_AREA_SHARE = 0.03
 """Of the three box faces' sum: smaller planes are neither found in a scan nor kept."""
+MIN_PLANES = 2
+"""A model without so many of that size (a plant) keeps its largest smaller ones."""
 MIN_SUPPORT_SIDE_M = 0.07
 MIN_SUPPORT_AREA_M2 = 0.008
 MIN_SUPPORT_SHARE = 0.4
 """Of the rectangle: less is a rim around something else."""
 CLEARANCE_M = 0.08
 """What stands on a surface needs at least this height above it."""
+_OUTSIDE_M = 0.05
+"""An outer side has nothing of the model further out than this."""
 _GAP_M = 0.006
-_PROBE_M = 0.0001
+_LEVEL = 0.9
+"""Least upward part of the normal of what carries."""
 _SEEN_SHARE = 0.3
 _SIGHT_POINTS = 32
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Piece:
-    """A solid and the link that it belongs to."""
-
-    solid: Solid
-    link: str
-    carries: bool = True
-    """False: nobody puts things on it, flat as it may be (the foot plate of a table)."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -50,45 +48,28 @@ class Plane:
 def model_planes(pieces: list[Piece], size: np.ndarray) -> list[Plane]:
     """All supporting planes and the largest others that are seen from outside, joints closed.
 
+    Of the others, outer sides come before what is further in. At most `MAX_PLANES`, or all
+    supporting ones and `MIN_OTHER_PLANES`.
+
     Coplanar faces of a link are one plane; supporting surfaces are split where something stands
     between them, so that each rectangle is free.
     """
-    space = _Space.of(pieces)
+    space = Space.of(pieces)
     x, y, z = size
     least = MIN_AREA_SHARE * (x * y + y * z + x * z)
-    found = [p for sheet in _sheets(pieces) for p in _planes_of(sheet, space, least)]
-    found.sort(key=lambda p: (not p.supporting, -round(p.area_m2, 6)))
+    sheets = _sheets(pieces)
+    found = [p for sheet in sheets for p in _planes_of(sheet, space, least)]
+    if len(found) < MIN_PLANES:
+        found = _largest(sheets, space)
+    points = np.concatenate(space.vertices)
+
+    def rank(plane: Plane) -> tuple[bool, bool, float]:
+        beyond = ((points - plane.corners[0]) @ plane.normal).max()
+        return not plane.supporting, bool(beyond > _OUTSIDE_M), -round(plane.area_m2, 6)
+
+    found.sort(key=rank)
     carrying = sum(p.supporting for p in found)
-    return found[: max(MAX_PLANES, carrying)]
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class _Space:
-    """Half-spaces [solids, faces, 4] of all solids, padded with ones that hold everywhere."""
-
-    planes: np.ndarray
-    vertices: list[np.ndarray]
-
-    @staticmethod
-    def of(pieces: list[Piece]) -> _Space:
-        rows = [piece.solid.planes for piece in pieces]
-        planes = np.zeros((len(rows), max(map(len, rows)), 4))
-        planes[..., 3] = -1.0
-        for i, row in enumerate(rows):
-            planes[i, : len(row)] = row
-        return _Space(planes, [piece.solid.vertices for piece in pieces])
-
-    def blocked(self, points: np.ndarray, direction: np.ndarray, length: float) -> np.ndarray:
-        """Whether the segments from ``points`` [n, 3] along ``direction`` meet any solid."""
-        normal, offset = self.planes[..., :3], self.planes[..., 3]
-        start = np.einsum("sfc,nc->nsf", normal, points) + offset
-        slope = normal @ direction
-        safe = np.where(np.abs(slope) > 1e-9, slope, 1.0)
-        crossing = -start / safe
-        enter = np.where(slope < -1e-9, crossing, 0.0).max(-1)
-        leave = np.where(slope > 1e-9, crossing, length).min(-1)
-        outside = ((np.abs(slope) <= 1e-9) & (start > 0)).any(-1)
-        return (~outside & (np.maximum(enter, 0.0) < np.minimum(leave, length) - 1e-7)).any(-1)
+    return found[: max(MAX_PLANES, carrying + MIN_OTHER_PLANES)]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -100,6 +81,7 @@ class _Sheet:
     offset: float
     polygons: list[np.ndarray]
     carries: bool
+    """It faces up, and things may stand on it."""
 
     @functools.cached_property
     def areas_m2(self) -> list[float]:
@@ -113,14 +95,11 @@ def _sheets(pieces: list[Piece]) -> list[_Sheet]:
         for i, (face, plane) in enumerate(zip(solid.faces, solid.planes)):
             if i in solid.hidden or i in solid.curved:
                 continue
-            key = (
-                piece.link,
-                piece.carries,
-                *np.round(plane[:3], 3) + 0.0,
-                round(plane[3], 4) + 0.0,
-            )
+            carries = piece.carries and bool(plane[2] > _LEVEL)
+            place = (*np.round(plane[:3], 3) + 0.0, round(plane[3], 4) + 0.0)
+            key = (piece.link, carries, *place)
             if key not in sheets:
-                sheets[key] = _Sheet(piece.link, plane[:3], plane[3], [], piece.carries)
+                sheets[key] = _Sheet(piece.link, plane[:3], plane[3], [], carries)
             sheets[key].polygons.append(solid.vertices[list(face)])
     return list(sheets.values())
 
@@ -171,27 +150,13 @@ class _Grid:
         return [int(k) for k in np.setdiff1d(marked, cut)]
 
 
-def _plane_axes(normal: np.ndarray) -> np.ndarray:
-    """u level and v as steep as it gets; world x and y on level planes."""
-    if abs(normal[2]) > 0.999:
-        return np.array([[1.0, 0, 0], np.cross(normal, [1.0, 0, 0])])
-    u = np.cross([0, 0, 1.0], normal)
-    u /= np.linalg.norm(u)
-    return np.stack([u, np.cross(normal, u)])
-
-
-def _grid(sheet: _Sheet, space_vertices: list[np.ndarray]) -> _Grid:
-    axes = _plane_axes(sheet.normal)
+def _grid(sheet: _Sheet, near_vertices: tuple[np.ndarray, ...]) -> _Grid:
+    axes = plane_axes(sheet.normal)
     flat = [p @ axes.T for p in sheet.polygons]
     own = np.concatenate(flat)
     low, high = own.min(0), own.max(0)
-    near = [own] + [
-        np.clip(vertices @ axes.T, low, high)
-        for vertices in space_vertices
-        if (vertices @ sheet.normal + sheet.offset).max() > _PROBE_M
-        and (vertices @ sheet.normal + sheet.offset).min() < CLEARANCE_M
-    ]
-    lines = np.round(np.concatenate(near), 5)
+    lines = np.concatenate([own] + [np.clip(v @ axes.T, low, high) for v in near_vertices])
+    lines = np.round(lines, 5)
     u, v = (_spaced(np.unique(lines[:, k])) for k in (0, 1))
     cu, cv = np.meshgrid((u[1:] + u[:-1]) / 2, (v[1:] + v[:-1]) / 2, indexing="ij")
     owner = np.full(cu.shape, -1)
@@ -214,22 +179,34 @@ def _inside_polygon(polygon: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.nda
     return inside
 
 
-def _planes_of(sheet: _Sheet, space: _Space, least_m2: float) -> list[Plane]:
-    may_carry = sheet.carries and bool(sheet.normal[2] > 0.9)
-    least_useful = min(least_m2, MIN_SUPPORT_AREA_M2) if may_carry else least_m2
+def _planes_of(sheet: _Sheet, space: Space, least_m2: float) -> list[Plane]:
+    least_useful = min(least_m2, MIN_SUPPORT_AREA_M2) if sheet.carries else least_m2
     if sum(sheet.areas_m2) < least_useful:
         return []
-    grid = _grid(sheet, space.vertices)
+    near = space.above(sheet.normal, sheet.offset, CLEARANCE_M)
+    grid = _grid(sheet, near.vertices)
     bare = grid.owner >= 0
-    probes = grid.centers[bare] + _PROBE_M * sheet.normal
-    bare[bare] = ~space.blocked(probes, sheet.normal, _PROBE_M)
-    if may_carry:
-        carrying = _supporting(grid, space, bare)
+    probes = grid.centers[bare] + PROBE_M * sheet.normal
+    bare[bare] = ~near.blocked(probes, sheet.normal, PROBE_M)
+    if sheet.carries:
+        carrying = _supporting(grid, near, bare)
         if carrying:
             return carrying
-    if not bare.any() or grid.area(bare) < least_m2 or not _is_seen(grid, space, bare):
+    if not bare.any() or grid.area(bare) < least_m2:
+        return []
+    if not _is_seen(grid, space.above(sheet.normal, sheet.offset), bare):
         return []
     return [_plane(grid, bare, supporting=False)]
+
+
+def _largest(sheets: list[_Sheet], space: Space) -> list[Plane]:
+    """The first sheets that are half free, whatever their size, from the largest down."""
+    found: list[Plane] = []
+    for sheet in sorted(sheets, key=lambda s: -round(sum(s.areas_m2), 6)):
+        found += _planes_of(sheet, space, sum(sheet.areas_m2) / 2)
+        if len(found) >= MIN_PLANES:
+            break
+    return found
 
 
 def _plane(grid: _Grid, cells: np.ndarray, *, supporting: bool) -> Plane:
@@ -237,14 +214,14 @@ def _plane(grid: _Grid, cells: np.ndarray, *, supporting: bool) -> Plane:
     return Plane(sheet.normal, grid.rectangle(cells), grid.area(cells), sheet.link, supporting)
 
 
-def _supporting(grid: _Grid, space: _Space, bare: np.ndarray) -> list[Plane]:
+def _supporting(grid: _Grid, near: Space, bare: np.ndarray) -> list[Plane]:
     free = bare.copy()
-    above = grid.centers[free] + _PROBE_M * grid.sheet.normal
-    free[free] = ~space.blocked(above, np.array([0.0, 0, 1]), CLEARANCE_M)
+    above = grid.centers[free] + PROBE_M * grid.sheet.normal
+    free[free] = ~near.blocked(above, np.array([0.0, 0, 1]), CLEARANCE_M)
     narrow = np.minimum.outer(np.diff(grid.u), np.diff(grid.v)) < _GAP_M
     gap = (grid.owner < 0) & narrow
-    probes = grid.centers[gap] + _PROBE_M * grid.sheet.normal
-    gap[gap] = ~space.blocked(probes, np.array([0.0, 0, 1]), CLEARANCE_M)
+    probes = grid.centers[gap] + PROBE_M * grid.sheet.normal
+    gap[gap] = ~near.blocked(probes, np.array([0.0, 0, 1]), CLEARANCE_M)
     regions = _regions(grid, free, gap)
     return [_plane(grid, r, supporting=True) for r in regions if _is_useful(grid, r)]
 
@@ -274,7 +251,7 @@ def _is_useful(grid: _Grid, cells: np.ndarray) -> bool:
 
 
 @functools.cache
-def _directions(count: int = 40) -> np.ndarray:
+def sphere_directions(count: int = 40) -> np.ndarray:
     """Directions spread evenly over the sphere (golden spiral)."""
     i = np.arange(count) + 0.5
     z, angle = 1 - 2 * i / count, np.pi * (1 + 5**0.5) * i
@@ -282,13 +259,25 @@ def _directions(count: int = 40) -> np.ndarray:
     return np.stack([ring * np.cos(angle), ring * np.sin(angle), z], 1)
 
 
-def _is_seen(grid: _Grid, space: _Space, cells: np.ndarray) -> bool:
+def _is_seen(grid: _Grid, space: Space, cells: np.ndarray) -> bool:
     """Whether enough of the cells have a clear line of sight to far outside."""
+    if not space.vertices:
+        return True
     ends = np.cumsum(grid.cell_area[cells])
     spread = np.searchsorted(ends, (np.arange(_SIGHT_POINTS) + 0.5) / _SIGHT_POINTS * ends[-1])
-    points = grid.centers[cells][spread] + _PROBE_M * grid.sheet.normal
-    seen = np.zeros(len(points), bool)
-    for direction in _directions():
-        if direction @ grid.sheet.normal > 0.1 and not seen.all():
-            seen[~seen] = ~space.blocked(points[~seen], direction, 10.0)
-    return bool(seen.mean() > _SEEN_SHARE)
+    points = grid.centers[cells][spread] + PROBE_M * grid.sheet.normal
+    heights, needed = space.heights(points), _SEEN_SHARE * len(points)
+    for direction in _directions_from(grid.sheet.normal):
+        blocked = space.blocked_from(heights, direction, 10.0)
+        needed -= np.count_nonzero(~blocked)
+        if needed < 0:
+            return True
+        heights = heights[blocked]
+    return False
+
+
+def _directions_from(normal: np.ndarray) -> np.ndarray:
+    """Directions that leave a surface, the steepest first."""
+    steep = np.round(sphere_directions() @ normal, 9)
+    order = np.argsort(-steep, kind="stable")
+    return sphere_directions()[order[steep[order] > 0.1]]

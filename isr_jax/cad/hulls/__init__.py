@@ -1,0 +1,1 @@
+"""Convex collision hulls for meshes: split, decomposed, merged, measured, parted."""

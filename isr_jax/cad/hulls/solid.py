@@ -1,0 +1,124 @@
+"""One convex hull: made from any points, with few corners, cut by planes."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from ...types import Mesh
+from ..kit.surfaces import sphere_directions
+
+MAX_VERTICES = 64
+MIN_THICKNESS_M = 0.002
+"""Flatter points are thickened: simulators want a volume."""
+_LEAST_VOLUME = 1e-12
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Hull:
+    """A convex polytope with at most `MAX_VERTICES` corners, metres."""
+
+    points: Float[np.ndarray, "points 3"]
+    """Its corners."""
+    planes: Float[np.ndarray, "faces 4"]
+    """Outward unit normal and offset of each triangle: n . p + d <= 0 inside."""
+    faces: np.ndarray
+    """[faces, 3]: triangles, wound outwards."""
+    volume: float
+
+    @functools.cached_property
+    def low(self) -> np.ndarray:
+        return self.points.min(0)
+
+    @functools.cached_property
+    def high(self) -> np.ndarray:
+        return self.points.max(0)
+
+    def mesh(self) -> Mesh:
+        """As a mesh for a link."""
+        return Mesh(self.points.astype(np.float32), self.faces.astype(np.int32))
+
+    def height(self, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
+        """How far points lie above the nearest face's plane at least; negative inside."""
+        return (points @ self.planes[:, :3].T + self.planes[:, 3]).max(1)
+
+
+def hull_of(points: Float[np.ndarray, "points 3"]) -> Hull:
+    """The convex hull of points; flat ones become 2 mm thick, corners above 64 are left out."""
+    points = _thick(np.asarray(points, np.float64))
+    hull = ConvexHull(points)
+    corners = hull.points[hull.vertices]
+    if len(corners) > MAX_VERTICES:
+        corners = corners[_extreme(corners)]
+    # float32 is what files and simulators get; the planes belong to what they get.
+    corners = corners.astype(np.float32).astype(np.float64)
+    try:
+        return _finished(ConvexHull(corners))
+    except QhullError:
+        return _finished(ConvexHull(_thick(corners, at_least=True)))
+
+
+def _extreme(corners: np.ndarray) -> np.ndarray:
+    """Rows of the corners that are farthest along spread directions.
+
+    Seen as if the body were as thick as it is wide: else both faces of a board would not count.
+    """
+    centred = corners - corners.mean(0)
+    along = centred @ np.linalg.eigh(centred.T @ centred)[1]
+    even = along / np.maximum(np.ptp(along, axis=0), 1e-9)
+    directions = np.concatenate([np.eye(3), -np.eye(3), sphere_directions(MAX_VERTICES - 6)])
+    return np.unique(np.argmax(even @ directions.T, axis=0))
+
+
+def _finished(hull: ConvexHull) -> Hull:
+    renumber = np.full(len(hull.points), -1)
+    renumber[hull.vertices] = np.arange(len(hull.vertices))
+    corners = hull.points[hull.simplices]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inward = np.einsum("ij,ij->i", cross, hull.equations[:, :3]) < 0
+    faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+    return Hull(hull.points[hull.vertices], hull.equations, renumber[faces], float(hull.volume))
+
+
+def _thick(points: np.ndarray, *, at_least: bool = False) -> np.ndarray:
+    """The points, and where they are flat along an axis of theirs, copies on both sides.
+
+    With ``at_least`` the thinnest axis counts as flat whatever its extent.
+    """
+    centred = points - points.mean(0)
+    axes = np.linalg.eigh(centred.T @ centred)[1].T
+    for k, axis in enumerate(axes):
+        flat = np.ptp((points - points.mean(0)) @ axis) < MIN_THICKNESS_M
+        if flat or (at_least and k == 0):
+            step = axis * MIN_THICKNESS_M / 2
+            points = np.concatenate([points - step, points + step])
+    return points
+
+
+def cut(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull | None:
+    """The part of a hull where normal . p <= offset; None where hardly anything is left."""
+    side = hull.points @ normal - offset
+    if side.max() <= 0:
+        return hull
+    edges = np.concatenate([hull.faces[:, [0, 1]], hull.faces[:, [1, 2]], hull.faces[:, [2, 0]]])
+    a, b = edges[:, 0], edges[:, 1]
+    crossing = (side[a] < 0) & (side[b] > 0)
+    a, b = a[crossing], b[crossing]
+    share = (side[a] / (side[a] - side[b]))[:, None]
+    kept = np.concatenate([
+        hull.points[side <= 0], hull.points[a] + share * (hull.points[b] - hull.points[a])
+    ])  # fmt: skip
+    if len(kept) < 4 or np.ptp(kept @ normal) < MIN_THICKNESS_M / 2:
+        return None
+    try:
+        left = ConvexHull(kept)
+    except QhullError:
+        return None
+    if left.volume < _LEAST_VOLUME:
+        return None
+    corners = left.points[left.vertices]
+    return hull_of(corners) if len(corners) > MAX_VERTICES else _finished(left)
