@@ -141,7 +141,7 @@ class CadCheck:
     """Write the whole report to this file."""
 
     def run(self, console: Console) -> None:
-        from .cad.check import check_library
+        from .cad.checking.check import check_library
 
         source = self.library if self.library is not None else _library(None)
         if self.hulls != "stored":
@@ -201,8 +201,8 @@ class CadShow:
     """Draw it to this PNG: closed and, where it has joints, with all of them open."""
 
     def run(self, console: Console) -> None:
+        from .cad.pictures.sheet import draw_model
         from .cad.selection import model_named
-        from .cad.sheet import draw_model
         from .cad.tables import model_tables
 
         model = model_named(_library(self.library), self.model)
@@ -234,9 +234,9 @@ class CadSheet:
     shown open."""
 
     def run(self, console: Console) -> None:
+        from .cad.pictures.groups import grouped
+        from .cad.pictures.sheet import draw_models
         from .cad.selection import of_classes
-        from .cad.sheet import draw_models
-        from .cad.sheet_groups import grouped
 
         library = _library(self.library)
         models = of_classes(library, self.class_name)

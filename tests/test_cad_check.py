@@ -13,13 +13,13 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 
 from isr_jax.cad import save_model
-from isr_jax.cad.check import check_library
-from isr_jax.cad.check_hand import smooth
-from isr_jax.cad.check_model import check_model, farthest_point
-from isr_jax.cad.check_planes import plane_faults
-from isr_jax.cad.check_report import CHECKS
-from isr_jax.cad.check_settings import CheckSettings
-from isr_jax.cad.check_static import hull_problem
+from isr_jax.cad.checking.check import check_library
+from isr_jax.cad.checking.hand import smooth
+from isr_jax.cad.checking.model import check_model, farthest_point
+from isr_jax.cad.checking.planes import plane_faults
+from isr_jax.cad.checking.report import CHECKS
+from isr_jax.cad.checking.settings import CheckSettings
+from isr_jax.cad.checking.static import hull_problem
 from isr_jax.cad_types import CadModel
 from isr_jax.errors import LibraryError, SettingError
 from isr_jax.plain_text import plain_text

@@ -11,7 +11,7 @@ from isr_jax.cad import collision
 from isr_jax.cad.collision import with_hulls
 from isr_jax.cad.hulls.apart import GAP_M, parted
 from isr_jax.cad.hulls.decompose import coacd_pieces
-from isr_jax.cad.hulls.link_hulls import METHODS, MAX_HULLS, LinkHulls, bound_m, link_hulls
+from isr_jax.cad.hulls.link_hulls import MAX_HULLS, METHODS, LinkHulls, bound_m, link_hulls
 from isr_jax.cad.hulls.merging import merged
 from isr_jax.cad.hulls.model_hulls import link_shapes, model_hulls
 from isr_jax.cad.hulls.packing import (
@@ -89,7 +89,9 @@ def test_open_sheets_keep_their_hollow(method):
     assert 4 <= len(made.hulls) <= MAX_HULLS
     middle = np.array([[0.0, 0, 0.2], [0.1, 0, 0.2], [0, -0.1, 0.1]])
     assert all(hull.height(middle).min() > 0.03 for hull in made.hulls), "the hollow is free"
-    on_wall = np.array([[0.195 * np.cos(a), 0.195 * np.sin(a), 0.2] for a in np.arange(0, 6.2, 0.3)])
+    on_wall = np.array(
+        [[0.195 * np.cos(a), 0.195 * np.sin(a), 0.2] for a in np.arange(0, 6.2, 0.3)]
+    )
     distance = np.min([hull.height(on_wall) for hull in made.hulls], axis=0)
     assert distance.max() < 0.02, "the wall is covered"
     assert made.swelling_m <= 3 * bound_m(np.array([0.4, 0.4, 0.4]))

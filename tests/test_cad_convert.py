@@ -50,10 +50,11 @@ def block(size, center=(0.0, 0, 0)) -> Mesh:
 
 def chair_mesh() -> Mesh:
     """Four legs, a seat and a backrest at +y: it faces -y. 0.42 x 0.44 x 0.9 m."""
-    legs = [
-        block((0.04, 0.04, 0.43), (x, y, 0.215)) for x in (-0.19, 0.19) for y in (-0.2, 0.2)
-    ]
-    seat, back = block((0.42, 0.44, 0.03), (0, 0, 0.445)), block((0.42, 0.03, 0.44), (0, 0.205, 0.68))
+    legs = [block((0.04, 0.04, 0.43), (x, y, 0.215)) for x in (-0.19, 0.19) for y in (-0.2, 0.2)]
+    seat, back = (
+        block((0.42, 0.44, 0.03), (0, 0, 0.445)),
+        block((0.42, 0.03, 0.44), (0, 0.205, 0.68)),
+    )
     return joined(*legs, seat, back)
 
 
@@ -229,7 +230,9 @@ def test_planes_of_a_box_are_its_faces():
         assert area == pytest.approx(np.prod(np.delete(size, axis)), rel=1e-3)
         turn = np.cross(corners[1] - corners[0], corners[2] - corners[1])
         assert turn @ normal > 0, "counter-clockwise seen against the normal"
-        np.testing.assert_allclose(np.ptp(corners, axis=0), size * (np.arange(3) != axis), atol=1e-4)
+        np.testing.assert_allclose(
+            np.ptp(corners, axis=0), size * (np.arange(3) != axis), atol=1e-4
+        )
 
 
 def test_a_cylinder_has_two_planes_and_is_round():
@@ -247,9 +250,7 @@ def test_a_cylinder_has_two_planes_and_is_round():
     assert sorted(np.round(np.asarray(model.planes.normal)[:, 2], 3)) == [-1, 1]
 
 
-@pytest.mark.parametrize(
-    ("size", "order"), [((0.5, 0.5, 0.2), 4), ((0.6, 0.3, 0.2), 2)]
-)
+@pytest.mark.parametrize(("size", "order"), [((0.5, 0.5, 0.2), 4), ((0.6, 0.3, 0.2), 2)])
 def test_symmetry_of_blocks(size, order):
     model = convert(found_of(block(size), "table", up=np.array([0.0, 0, 1])))
     assert model.symmetry == order

@@ -10,7 +10,7 @@ import collections
 import numpy as np
 import pytest
 
-from isr_jax.cad.check_model import check_model
+from isr_jax.cad.checking.model import check_model
 from isr_jax.cad.kit import KIT, fit, make
 from isr_jax.cad.kit.catalogue_appliances import ROWS
 from isr_jax.cad.kit.computers import laptop

@@ -12,9 +12,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from isr_jax.cad.check_model import check_model
-from isr_jax.cad.check_settings import CheckSettings
-from isr_jax.cad.check_static import hull_faults
+from isr_jax.cad.checking.model import check_model
+from isr_jax.cad.checking.settings import CheckSettings
+from isr_jax.cad.checking.static import hull_faults
 from isr_jax.cad.kit.bins import swing_bin
 from isr_jax.cad.kit.boxes import carton, open_carton, storage_box
 from isr_jax.cad.kit.catalogue_things import ROWS
@@ -118,9 +118,9 @@ def test_masses_are_those_of_real_things(model):
         (("door", "interior_86"), 15, 30),
         (("door", "panelled_oak"), 15, 30),
         (("lamp", "table_urn"), 1, 4),
-        (("plant", "sill_drooping"), 1, 3),
+        (("plant", "sill_small"), 1, 3),
         (("plant", "rubber_tree"), 8, 20),
-        (("bag", "suitcase_medium"), 2.5, 4),
+        (("bag", "suitcase_cabin"), 2.5, 4),
         (("box", "carton_40"), 0.2, 1),
         (("bin", "square_30"), 0.5, 3),
     ],

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from isr_jax.cad.paint import Paint, barycentric, decoded
-from isr_jax.cad.picture import PAPER, ModelScene, picture, placed_meshes
-from isr_jax.cad.poses import opened, travel_range
-from isr_jax.cad.sheet import (
+from isr_jax.cad.pictures.groups import GROUPS, REST, grouped
+from isr_jax.cad.pictures.paint import Paint, barycentric, decoded
+from isr_jax.cad.pictures.picture import PAPER, ModelScene, picture, placed_meshes
+from isr_jax.cad.pictures.sheet import (
     TILE_HEIGHT,
     TILE_WIDTH,
     caption,
@@ -23,7 +23,7 @@ from isr_jax.cad.sheet import (
     grid,
     labelled,
 )
-from isr_jax.cad.sheet_groups import GROUPS, REST, grouped
+from isr_jax.cad.poses import opened, travel_range
 from isr_jax.cad_types import CadModel, held
 from isr_jax.classes import classes
 from isr_jax.errors import OutputError, SettingError

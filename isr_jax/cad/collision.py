@@ -163,8 +163,6 @@ def _made(model: CadModel, method: Method, worker: Worker | None) -> ModelHulls:
 
 
 def _convex_hulls(shapes: tuple[LinkShape, ...]) -> ModelHulls:
-    links = tuple(
-        (hull_of(shape.vertices).mesh(),) if len(shape.faces) else () for shape in shapes
-    )
-    reach = max((float(max(s.vertices.max(0) - s.vertices.min(0))) for s in shapes if len(s.faces)))
+    links = tuple((hull_of(shape.vertices).mesh(),) if len(shape.faces) else () for shape in shapes)
+    reach = max(float(max(s.vertices.max(0) - s.vertices.min(0))) for s in shapes if len(s.faces))
     return ModelHulls(links, reach, ("no decomposition worked: one convex hull a link",))

@@ -74,5 +74,7 @@ def _candidates(
 def union_swelling(union: Hull, a: Hull, b: Hull) -> float:
     """How far the union's faces lie above both hulls, a lower bound of the distance, metres."""
     corners = union.points[union.faces]
-    points = np.concatenate([corners.mean(1), (corners + np.roll(corners, 1, 1)).reshape(-1, 3) / 2])
+    points = np.concatenate(
+        [corners.mean(1), (corners + np.roll(corners, 1, 1)).reshape(-1, 3) / 2]
+    )
     return float(np.minimum(a.height(points), b.height(points)).max(initial=0.0))

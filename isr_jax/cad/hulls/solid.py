@@ -15,6 +15,10 @@ from ..kit.surfaces import sphere_directions
 MAX_VERTICES = 64
 MIN_THICKNESS_M = 0.002
 """Flatter points are thickened: simulators want a volume."""
+_GRIDS_M = (0.0, 1e-5, 1e-4, 5e-4)
+"""Corners are rounded to the first of these that leaves no slivers."""
+_SLIVER_M2 = 2e-10
+_FLAT_M = 5e-6
 _LEAST_VOLUME = 1e-12
 
 
@@ -54,12 +58,38 @@ def hull_of(points: Float[np.ndarray, "points 3"]) -> Hull:
     corners = hull.points[hull.vertices]
     if len(corners) > MAX_VERTICES:
         corners = corners[_extreme(corners)]
-    # float32 is what files and simulators get; the planes belong to what they get.
-    corners = corners.astype(np.float32).astype(np.float64)
-    try:
-        return _finished(ConvexHull(corners))
-    except QhullError:
-        return _finished(ConvexHull(_thick(corners, at_least=True)))
+    for tried in (corners, _thick(corners, at_least=True)):
+        for grid_m in _GRIDS_M:
+            try:
+                made = _finished(ConvexHull(_snapped(tried, grid_m)))
+            except QhullError:
+                continue
+            if _is_convex(made) and len(made.points) <= MAX_VERTICES:
+                return made
+    return _finished(ConvexHull(_thick(_box_corners(points), at_least=True)))
+
+
+def _snapped(corners: np.ndarray, grid_m: float) -> np.ndarray:
+    """In float32, which is what files and simulators get: the planes belong to that."""
+    even = np.round(corners / grid_m) * grid_m if grid_m > 0 else corners
+    return even.astype(np.float32).astype(np.float64)
+
+
+def _is_convex(hull: Hull) -> bool:
+    """Whether the triangles' own normals agree: slivers between nearly equal corners do not."""
+    corners = hull.points[hull.faces]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(cross, axis=1)
+    large = length > _SLIVER_M2
+    unit = cross[large] / length[large, None]
+    height = np.einsum("fc,fvc->fv", unit, hull.points - corners[large, :1])
+    return bool(height.max(initial=0.0) < _FLAT_M)
+
+
+def _box_corners(points: np.ndarray) -> np.ndarray:
+    low, high = points.min(0), points.max(0)
+    signs = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    return low + signs * (high - low)
 
 
 def _extreme(corners: np.ndarray) -> np.ndarray:
@@ -114,11 +144,5 @@ def cut(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull | Non
     ])  # fmt: skip
     if len(kept) < 4 or np.ptp(kept @ normal) < MIN_THICKNESS_M / 2:
         return None
-    try:
-        left = ConvexHull(kept)
-    except QhullError:
-        return None
-    if left.volume < _LEAST_VOLUME:
-        return None
-    corners = left.points[left.vertices]
-    return hull_of(corners) if len(corners) > MAX_VERTICES else _finished(left)
+    left = hull_of(kept)
+    return left if left.volume > _LEAST_VOLUME else None

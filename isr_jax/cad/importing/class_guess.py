@@ -125,7 +125,27 @@ _WORDS: dict[str, str] = {
     "letter box, mailbox, newspaper, magazine, mattress, air mattress, exercise bench, "
     " bell, key, keys, lock, pen, pencil, ruler, scissors",
 }
-_STOPS = frozenset("with for and in on of from by without from under at to , ( - /".split())
+_STOPS = frozenset(
+    [
+        "with",
+        "for",
+        "and",
+        "in",
+        "on",
+        "of",
+        "from",
+        "by",
+        "without",
+        "from",
+        "under",
+        "at",
+        "to",
+        ",",
+        "(",
+        "-",
+        "/",
+    ]
+)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -36,11 +36,25 @@ _UNKNOWN = "unknown"
 _HUNG_M = 1.2
 """What is higher above the floor stands on no furniture."""
 _FRONTED = frozenset(
-    "cabinet wall_cabinet drawer_unit wardrobe nightstand fridge oven dishwasher washing_machine "
-    "microwave monitor laptop desk bed".split()
+    [
+        "cabinet",
+        "wall_cabinet",
+        "drawer_unit",
+        "wardrobe",
+        "nightstand",
+        "fridge",
+        "oven",
+        "dishwasher",
+        "washing_machine",
+        "microwave",
+        "monitor",
+        "laptop",
+        "desk",
+        "bed",
+    ]
 )
 """Their fronts count, also where a closed box is all that is seen."""
-_SOFT = frozenset("chair stool bench sofa bed cushion toilet".split())
+_SOFT = frozenset(["chair", "stool", "bench", "sofa", "bed", "cushion", "toilet"])
 """What they carry lies on surfaces that are not quite flat."""
 
 
@@ -218,9 +232,7 @@ def _class_at(class_name: str, side_m: float, found: FoundModel, notes: list[str
     return OTHER
 
 
-def _repaired(
-    robot: RobotModel, notes: list[str]
-) -> tuple[RobotModel, Skin, np.ndarray]:
+def _repaired(robot: RobotModel, notes: list[str]) -> tuple[RobotModel, Skin, np.ndarray]:
     """All faces wound outwards; which of them are two-sided sheets."""
     skin = skin_of(robot)
     winding = find_winding(skin)

@@ -155,9 +155,7 @@ def _fit(faces: _Faces, rows: np.ndarray) -> tuple[np.ndarray, float]:
     return normal, float(-normal @ middle)
 
 
-def _is_curved(
-    faces: _Faces, rows: np.ndarray, patch_area: np.ndarray, area_m2: float
-) -> bool:
+def _is_curved(faces: _Faces, rows: np.ndarray, patch_area: np.ndarray, area_m2: float) -> bool:
     """Whether the faces are a small part of the smooth patches that they belong to."""
     patches = np.unique(faces.patch[rows])
     own = np.bincount(np.searchsorted(patches, faces.patch[rows]), faces.area[rows])

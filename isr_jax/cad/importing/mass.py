@@ -23,8 +23,18 @@ _GRID = 40
 _DENSITY_FACTOR = 8.0
 """Stated masses within this factor of the estimated one are believed."""
 _HOLLOW = frozenset(
-    "cabinet wall_cabinet drawer_unit wardrobe nightstand counter fridge oven dishwasher "
-    "washing_machine".split()
+    [
+        "cabinet",
+        "wall_cabinet",
+        "drawer_unit",
+        "wardrobe",
+        "nightstand",
+        "counter",
+        "fridge",
+        "oven",
+        "dishwasher",
+        "washing_machine",
+    ]
 )
 _HOLLOW_SHARE = 0.55
 """Closed carcasses of the kit weigh so much of their class's density times their volume."""
@@ -63,7 +73,9 @@ def with_masses(
         masses = list(max(estimate, _MIN_MASS_KG) * shares)
         said = f" (stated: {stated:.3g} kg)" if stated > 0 else ""
         note = f"mass estimated from class and volume: {sum(masses):.3g} kg{said}"
-    links = [_with_mass(link, max(m, _MIN_MASS_KG), class_name) for link, m in zip(robot.links, masses)]
+    links = [
+        _with_mass(link, max(m, _MIN_MASS_KG), class_name) for link, m in zip(robot.links, masses)
+    ]
     return dataclasses.replace(robot, links=tuple(links)), note
 
 

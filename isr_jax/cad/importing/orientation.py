@@ -21,13 +21,31 @@ Vector = Float[np.ndarray, "3"]
 
 _Z_UP = (".stl", ".ply", ".urdf", ".xml", ".mjcf")
 """Formats in which z mostly points up; OBJ, GLB and the rest are mostly y up."""
-_BACKREST = frozenset("chair bench sofa toilet sink bed laptop".split())
+_BACKREST = frozenset(["chair", "bench", "sofa", "toilet", "sink", "bed", "laptop"])
 """Their upper part is at the back."""
 _UPPER = {"bed": 0.7, "sink": 0.8}
 """Where the upper part begins, as a share of the height; 0.6 by default."""
 _FLAT_BACK = frozenset(
-    "cabinet wall_cabinet drawer_unit wardrobe nightstand bookshelf fridge oven dishwasher "
-    "washing_machine microwave desk counter door window picture mirror clock".split()
+    [
+        "cabinet",
+        "wall_cabinet",
+        "drawer_unit",
+        "wardrobe",
+        "nightstand",
+        "bookshelf",
+        "fridge",
+        "oven",
+        "dishwasher",
+        "washing_machine",
+        "microwave",
+        "desk",
+        "counter",
+        "door",
+        "window",
+        "picture",
+        "mirror",
+        "clock",
+    ]
 )
 _HUNG = frozenset(["toilet", "sink"])
 _FLAT_FRONT = frozenset(["monitor"])

@@ -51,9 +51,7 @@ def _moved_link(link: Link, scale: float, R: np.ndarray, t: np.ndarray) -> Link:
     A = scale * R
     return dataclasses.replace(
         link,
-        visuals=tuple(
-            dataclasses.replace(v, mesh=transformed(v.mesh, A, t)) for v in link.visuals
-        ),
+        visuals=tuple(dataclasses.replace(v, mesh=transformed(v.mesh, A, t)) for v in link.visuals),
         hulls=tuple(transformed(hull, A, t) for hull in link.hulls),
         com=A @ link.com + t,
         inertia=scale**2 * R @ link.inertia @ R.T,

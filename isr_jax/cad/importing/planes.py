@@ -85,9 +85,7 @@ def _soft_seats(
     skin: Skin, space: _Space, link_names: tuple[str, ...], settings: ConvertSettings
 ) -> list[Plane]:
     """Supporting planes through what is level but for some centimetres, the largest first."""
-    loose = dataclasses.replace(
-        settings, plane_angle_rad=_SOFT_ANGLE_RAD, plane_gap_m=_SOFT_GAP_M
-    )
+    loose = dataclasses.replace(settings, plane_angle_rad=_SOFT_ANGLE_RAD, plane_gap_m=_SOFT_GAP_M)
     level = dataclasses.replace(
         skin, **{k: getattr(skin, k)[skin.normal[:, 2] > np.cos(_SOFT_ANGLE_RAD)] for k in _ROWS}
     )

@@ -112,5 +112,7 @@ def unit_of(side: float, class_name: str, stated_m: float | None) -> UnitGuess |
     name = "metres" if "metres" in fits and stated_m is None else best
     said = f"unit estimated: {name}"
     if stated_m is not None:
-        said = f"stated unit of {stated_m:g} m makes a {what} of {side * stated_m:.3g} m: {name} taken"
+        said = (
+            f"stated unit of {stated_m:g} m makes a {what} of {side * stated_m:.3g} m: {name} taken"
+        )
     return UnitGuess(fits[name], said)

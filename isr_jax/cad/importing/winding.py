@@ -14,8 +14,8 @@ from jaxtyping import Bool
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 
-from ..kit.surfaces import sphere_directions
 from ..adjacency import Adjacency, adjacency
+from ..kit.surfaces import sphere_directions
 from .skin import Skin
 
 _RAYS = 6000

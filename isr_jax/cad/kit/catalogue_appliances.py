@@ -54,17 +54,13 @@ _RED = OvenLook(m.RED_OVEN, m.RED_OVEN)
 _MIXED = OvenLook(m.STEEL_OVEN, m.BLACK_OVEN)
 _OVENS = (
     row("range_60", cooker, 0.6, 0.6, 0.85),
-    row("range_50_plates", cooker, 0.5, 0.6, 0.85, hob="plates", knobs=(3, 3)),
     row("range_60_gas", cooker, 0.6, 0.6, 0.9, hob="gas", knobs=(2, 3), look=_STEEL),
     row("range_76_splash", cooker, 0.76, 0.66, 1.08, splash=0.16, look=_MIXED, panel=0.11),
     row("range_76_coils", cooker, 0.76, 0.65, 1.1, hob="plates", splash=0.18, knobs=(2, 2)),
     row("range_90_gas", cooker, 0.9, 0.6, 0.91, hob="gas", grid=(3, 2), knobs=(3, 3), look=_STEEL),
-    row("range_90_cream", cooker, 0.9, 0.6, 0.9, hob="gas", grid=(3, 2), knobs=(3, 3),
-        look=_CREAM),
     row("range_60_red", cooker, 0.6, 0.6, 0.9, hob="glass", knobs=(2, 2), look=_RED, drawer=0.05),
     row("built_in_60", built_in_oven, 0.595, 0.56, 0.595, look=_MIXED),
     row("built_in_45", built_in_oven, 0.595, 0.55, 0.455, knobs=1, look=_DARK, panel=0.09),
-    row("built_in_60_white", built_in_oven, 0.595, 0.56, 0.595, knobs=4),
     row("small_45", small_oven, 0.45, 0.36, 0.28,
         look=OvenLook(m.STEEL_OVEN, m.BLACK_OVEN, reach=0.03)),
     row("small_52", small_oven, 0.52, 0.4, 0.33, knobs=4, panel=0.11,
@@ -99,9 +95,7 @@ _WASHING_MACHINES = (
     row("white_60", washing_machine, 0.6, 0.6, 0.85),
     row("slim_60x45", washing_machine, 0.6, 0.48, 0.85),
     row("dark_60", washing_machine, 0.6, 0.63, 0.85, shell=m.DARK_SHEET, ring=m.SHEET_BODY),
-    row("steel_60", washing_machine, 0.598, 0.6, 0.85, shell=m.STEEL_SHEET, ring=m.SHEET_BODY),
     row("american_69", washing_machine, 0.686, 0.78, 0.98, panel=0.13),
-    row("compact_50", washing_machine, 0.5, 0.52, 0.7, panel=0.1, ring=m.WHITE_BODY),
     row("top_40", top_loader, 0.4, 0.6, 0.9),
     row("top_69", top_loader, 0.69, 0.68, 1.08, console=0.16, knobs=2),
     row("top_61_dark", top_loader, 0.61, 0.63, 1.02, console=0.13, knobs=3, shell=m.DARK_SHEET,
@@ -122,7 +116,6 @@ _SINKS = (
     row("utility_58", utility_sink, 0.58, 0.55, 1.02),
     row("pedestal_55", washbasin, 0.55, 0.45, 0.99),
     row("pedestal_60_pillar", washbasin, 0.6, 0.48, 0.94, taps=2, tap=0.09),
-    row("wall_45", washbasin, 0.45, 0.36, 0.49, pedestal=False),
     row("wall_60", washbasin, 0.6, 0.46, 0.52, pedestal=False, bowl=0.2),
     row("vanity_60", vanity, 0.6, 0.46, 0.99),
     row("vanity_80_drawers", vanity, 0.8, 0.47, 1.0, columns=columns_of("D D"),
@@ -133,7 +126,6 @@ _SINKS = (
 )  # fmt: skip
 _TOILETS = (
     row("close_coupled_66", toilet, 0.38, 0.66, 0.78, rim=0.4, follows=_SEAT),
-    row("close_coupled_70", toilet, 0.4, 0.7, 0.8, bowl=0.92, tank=0.19, rim=0.42, follows=_SEAT),
     row("compact_60", toilet, 0.36, 0.61, 0.75, tank=0.15, rim=0.4, follows=_SEAT),
     row(
         "black_66",
@@ -149,15 +141,12 @@ _TOILETS = (
     row("tall_68", toilet, 0.38, 0.68, 0.84, rim=0.46, follows=_SEAT),
     row("floor_55", toilet, 0.36, 0.55, 0.43, kind="floor"),
     row("wall_53", toilet, 0.36, 0.53, 0.36, kind="wall"),
-    row("wall_49", toilet, 0.35, 0.49, 0.34, kind="wall", seat=m.BLACK_PLASTIC),
 )
 _TUBS = (
     row("skirt_170", bathtub, 1.7, 0.75, 0.69),
     row("skirt_160", bathtub, 1.6, 0.7, 0.57, tap=0.0),
     row("skirt_180", bathtub, 1.8, 0.8, 0.72, power=8.0),
-    row("skirt_140", bathtub, 1.4, 0.7, 0.68, power=3.5),
     row("oval_170", oval_tub, 1.7, 0.8, 0.58),
-    row("oval_180_slim", oval_tub, 1.8, 0.82, 0.56, power=2.0, wall=0.022),
     row("feet_168", oval_tub, 1.68, 0.76, 0.62, feet=0.13, metal=m.BRASS),
     row("soaking_120", bathtub, 1.2, 0.8, 0.8, tap=0.12),
 )
@@ -201,9 +190,7 @@ _KETTLES = (
     row("black_17", jug_kettle, 0.245, 0.16, 0.235, body=m.BLACK_PLASTIC, top=0.85),
     row("white_15", jug_kettle, 0.235, 0.15, 0.23, body=m.WHITE_PLASTIC, trim=m.GREY_KEYS),
     row("glass_17", jug_kettle, 0.245, 0.16, 0.245, body=m.KETTLE_GLASS, top=0.88),
-    row("red_17", jug_kettle, 0.24, 0.158, 0.24, body=m.RED_KETTLE, top=0.7),
     row("stove_steel_25", stove_kettle, 0.29, 0.19, 0.225),
-    row("stove_cream_28", stove_kettle, 0.31, 0.21, 0.24, body=m.CREAM_KETTLE),
 )
 
 ROWS: dict[str, tuple[Row, ...]] = {

@@ -45,8 +45,6 @@ _BEDS: tuple[Row, ...] = (
     row("divan_140_leather", divan, 1.4, 2.1, 1.05, follows=_LIES, padded=2, lying=0.54,
         fabric=m.BLACK_LEATHER),
     row("bunk_90", bunk_bed, 1.07, 2.06, 1.6, follows={"upper": 2, "lower": 2}),
-    row("bunk_white_80", bunk_bed, 0.97, 1.98, 1.55, follows={"upper": 2, "lower": 2}, upper=1.2,
-        lower=0.3, frame=m.WHITE_BOARD, blanket=m.GREEN_BLANKET),
     row("loft_90", bunk_bed, 1.07, 2.06, 1.85, follows={"upper": 2}, upper=1.45, lower=None,
         frame=m.BIRCH),
     row("four_poster_160", four_poster, 1.72, 2.12, 2.05, follows=_LIES),

@@ -6,7 +6,6 @@ end 0.55 to 0.68 m, backs 0.70 to 0.95 m above the floor (EN 12520, makers' cata
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 
 import numpy as np
@@ -194,21 +193,16 @@ def tub_chair(
 ) -> ModelBuilder:
     """A round seat with a wall around its rear half that is back and arms in one."""
     builder = ModelBuilder("chair", symmetry=1)
-    x, y, deck = width / 2, depth / 2, seat - 0.13
-    inner = (x - wall, y - wall)
-    builder.add(fabric, frustum(((x, y), (x, y)), (foot, deck), sides=sides))
-    builder.add(fabric, frustum((inner, inner), (deck, seat), sides=sides))
-    outer_ring, inner_ring = (np.stack([circle(r, sides)] * 2) for r in ((x, y), inner))
-    staves = tube(outer_ring, inner_ring, (deck, height), is_round=True)
+    x, y, low = width / 2, depth / 2, seat - 0.13
+    builder.add(fabric, frustum(((x, y), (x, y)), (foot, low), sides=sides), carries=False)
+    builder.add(fabric, frustum(((x, y), (x, y)), (low, seat), sides=sides))
+    outer, inner = (np.stack([circle(r, sides)] * 2) for r in ((x, y), (x - wall, y - wall)))
+    staves = tube(outer, inner, (seat, height), is_round=True)
     reach = 2 * round(5 / 16 * sides)
     start = (sides // 2 - reach) // 2
-    # The rim around the seat's front is too narrow to be a surface of its own.
-    rim = tube(outer_ring, inner_ring, (deck, seat), is_round=True)
-    low = [dataclasses.replace(s, curved=s.curved | {1}) for s in rim]
-    for k in range(sides):
-        piece = (staves if k < reach else low)[(start + k) % sides]
-        shown = {5} if k in (0, reach) else {3} if k in (reach - 1, sides - 1) else set()
-        builder.add(fabric, piece.shown(shown, wall=int(k < reach)), carries=False)
+    for k in range(reach):
+        shown = {5} if k == 0 else {3} if k == reach - 1 else set()
+        builder.add(fabric, staves[(start + k) % sides].shown(shown), carries=False)
     for sx in (-1, 1):
         for sy in (-1, 1):
             cx, cy = round(0.62 * sx * x, 4), round(0.62 * sy * y, 4)

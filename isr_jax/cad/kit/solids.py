@@ -33,15 +33,13 @@ class Solid:
     """Faces that touch a neighbour piece of the same body, left out of what is seen."""
     curved: frozenset[int] = frozenset()
     """Faces that stand for a round surface, and are no planes of the model."""
-    wall: int = 0
-    """Pieces with hidden faces and the same number share the corners of what is seen of them."""
 
     def moved(self, offset: np.ndarray) -> Solid:
         return dataclasses.replace(self, vertices=self.vertices + offset)
 
-    def shown(self, faces: set[int], wall: int = 0) -> Solid:
+    def shown(self, faces: set[int]) -> Solid:
         """The solid with some of its hidden faces in sight: the ends of an open wall."""
-        return dataclasses.replace(self, hidden=self.hidden - faces, wall=wall)
+        return dataclasses.replace(self, hidden=self.hidden - faces)
 
     @functools.cached_property
     def _areas_and_centers(self) -> tuple[np.ndarray, np.ndarray]:

@@ -22,7 +22,7 @@ def visual_mesh(solids: list[Solid]) -> Mesh:
     polygons, flats = [], []
     for i, solid in enumerate(solids):
         # Only staves share corners with others; touching boxes stay closed bodies of their own.
-        body = ("wall", solid.wall) if solid.hidden else ("solid", i)
+        body = -1 if solid.hidden else i
         corners = [tuple(v) for v in rounded(solid.vertices).tolist()]
         for k, face in enumerate(solid.faces):
             if k in solid.hidden:
