@@ -13,6 +13,9 @@ from .types import PlaneSet
 
 MAX_MODEL_PLANES = 16
 """Of a model with more planes these many count."""
+_SIDES = 6
+"""Of them so many are kept for planes that carry nothing: a shelf has more boards than sides, and
+without its sides it could stand either way."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -39,7 +42,8 @@ class LibraryArrays:
 
 
 def counted_planes(planes: PlaneSet, supporting: np.ndarray) -> Int[np.ndarray, " planes"]:
-    """Planes of a model that count, ascending: supporting ones first, then by area."""
+    """Planes of a model that count, ascending: supporting ones before others, large ones first,
+    with room kept for the largest sides."""
     return _counted(planes.valid, planes.area_m2, supporting, np.zeros(len(supporting), np.int32))
 
 
@@ -82,10 +86,16 @@ def library_arrays(
 def _counted(valid, area_m2, supporting, owner) -> np.ndarray:
     """Rows of a flat table of planes that count, ascending; ``owner`` ascends too."""
     rows = np.flatnonzero(np.asarray(valid))
-    keys = (-np.asarray(area_m2)[rows], ~np.asarray(supporting)[rows], owner[rows])
-    rows = rows[np.lexsort(keys)]
-    rank = np.arange(len(rows)) - np.searchsorted(owner[rows], owner[rows])
-    return np.sort(rows[rank < MAX_MODEL_PLANES])
+    other = ~np.asarray(supporting)[rows]
+    order = np.lexsort((-np.asarray(area_m2)[rows], other, owner[rows]))
+    rows, other = rows[order], other[order]
+    group, twice = 2 * owner[rows] + other, 2 * owner[rows]
+    rank = np.arange(len(rows)) - np.searchsorted(group, group)
+    first, between, end = (np.searchsorted(group, twice + k) for k in (0, 1, 2))
+    carrying, sides = between - first, end - between
+    most_carrying = MAX_MODEL_PLANES - np.minimum(sides, _SIDES)
+    most_sides = MAX_MODEL_PLANES - np.minimum(carrying, most_carrying)
+    return np.sort(rows[rank < np.where(other, most_sides, most_carrying)])
 
 
 def _joined(

@@ -170,7 +170,9 @@ def furnish(
             [found], [graph], [shortlist], library, settings.alignment
         )[0],
     )
-    tried = with_hulls_at(library, shortlist.model, settings.cad.candidate_hulls, runner.reporter)
+    tried = with_hulls_at(
+        library, shortlist.model.tolist(), settings.cad.candidate_hulls, runner.reporter
+    )
     placements = runner.run(
         "physical_check",
         physical_check.VERSION,
@@ -181,7 +183,7 @@ def furnish(
             "shortlist": shortlist,
             "alignments": aligned,
             "library": models,
-            "hulls": settings.cad.candidate_hulls,
+            "hulls": hulls,
         },
         tuple,
         lambda: physical_check.check(

@@ -12,6 +12,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import jax
 import numpy as np
 import pytest
 
@@ -279,10 +280,25 @@ def test_arrays_hold_the_planes_that_count():
         np.testing.assert_array_equal(arrays.supporting[row, :n], model.plane_supporting[rows])
         np.testing.assert_array_equal(arrays.size[row], model.size)
         assert np.all(arrays.normal[row, n:] == (0, 0, 1)) and not arrays.offset[row, n:].any()
+        carries, area = np.asarray(model.plane_supporting), np.asarray(model.planes.area_m2)
         lost = np.setdiff1d(np.flatnonzero(model.planes.valid), rows)
-        kept_least = model.planes.area_m2[rows][~model.plane_supporting[rows]].min(initial=np.inf)
-        assert not np.any(model.plane_supporting[lost]) or np.all(model.plane_supporting[rows])
-        assert np.all(model.planes.area_m2[lost] <= kept_least)
+        for kind in (carries, ~carries):
+            kept = area[rows][kind[rows]].min(initial=np.inf)
+            assert np.all(area[lost][kind[lost]] <= kept), "small ones are lost first"
+
+
+def test_a_shelf_of_many_boards_keeps_its_sides():
+    boards, sides = 20, 9
+    count = boards + sides
+    planes = jax.tree.map(lambda leaf: np.repeat(leaf[:1], count, 0), table_model().planes)
+    planes = dataclasses.replace(planes, area_m2=np.linspace(1.0, 2.0, count, dtype=np.float32))
+    supporting = np.arange(count) < boards
+    rows = counted_planes(planes, supporting)
+    assert len(rows) == MAX_MODEL_PLANES
+    assert set(np.flatnonzero(~supporting)[-6:]) <= set(rows.tolist())
+    assert len(counted_planes(planes, np.ones(count, bool))) == MAX_MODEL_PLANES
+    few = counted_planes(planes, np.arange(count) < 2)
+    assert {0, 1} <= set(few.tolist()) and len(few) == MAX_MODEL_PLANES
 
 
 def test_arrays_of_nothing_and_of_models_without_planes():

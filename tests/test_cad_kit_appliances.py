@@ -12,9 +12,9 @@ import pytest
 
 from isr_jax.cad.checking.model import check_model
 from isr_jax.cad.kit import KIT, fit, make
-from isr_jax.cad.kit.catalogue_appliances import ROWS
-from isr_jax.cad.kit.computers import laptop
-from isr_jax.cad.kit.toilets import toilet
+from isr_jax.cad.kit.appliances.catalogue import ROWS
+from isr_jax.cad.kit.appliances.computers import laptop
+from isr_jax.cad.kit.appliances.toilets import toilet
 from isr_jax.cad_types import CadModel
 from isr_jax.classes import class_named
 from isr_jax.errors import SettingError

@@ -15,16 +15,16 @@ import pytest
 from isr_jax.cad.checking.model import check_model
 from isr_jax.cad.checking.settings import CheckSettings
 from isr_jax.cad.checking.static import hull_faults
-from isr_jax.cad.kit.bins import swing_bin
-from isr_jax.cad.kit.boxes import carton, open_carton, storage_box
-from isr_jax.cad.kit.catalogue_things import ROWS
-from isr_jax.cad.kit.desk_lamps import arm_lamp
-from isr_jax.cad.kit.doors import door, double_door
 from isr_jax.cad.kit.rows import Row
-from isr_jax.cad.kit.strips import raised, spike, strip
-from isr_jax.cad.kit.turned import inner_radii, shell, stack
-from isr_jax.cad.kit.vessels import bottle, bowl, cup
-from isr_jax.cad.kit.windows import casement_window
+from isr_jax.cad.kit.shapes.strips import raised, spike, strip
+from isr_jax.cad.kit.shapes.turned import inner_radii, shell, stack
+from isr_jax.cad.kit.things.bins import swing_bin
+from isr_jax.cad.kit.things.boxes import carton, open_carton, storage_box
+from isr_jax.cad.kit.things.catalogue import ROWS
+from isr_jax.cad.kit.things.desk_lamps import arm_lamp
+from isr_jax.cad.kit.things.doors import door, double_door
+from isr_jax.cad.kit.things.vessels import bottle, bowl, cup
+from isr_jax.cad.kit.things.windows import casement_window
 from isr_jax.cad_types import CadModel
 from isr_jax.errors import SettingError
 from isr_jax.robot_model import link_transforms

@@ -5,7 +5,7 @@ from .library import build_library, default_library, library_of, load_library, o
 from .model_files import load_model, model_files, save_model
 from .records import validate_record
 
-VERSION: int = 1
+VERSION: int = 2
 """Raised when the models or their format change."""
 
 __all__ = [

@@ -2,6 +2,6 @@
 
 from .stage import export_scene
 
-VERSION: int = 1
+VERSION: int = 2
 
 __all__ = ["VERSION", "export_scene"]

@@ -25,4 +25,4 @@ __all__ = [
     "pair_terms",
 ]
 
-VERSION: int = 2
+VERSION: int = 3

@@ -7,7 +7,7 @@ from .render import render_sequence
 from .room import LayoutPatch, PlacedModel, Room
 from .truth import true_entities, truth_scene
 
-VERSION: int = 1
+VERSION: int = 2
 
 __all__ = [
     "NO_NOISE",

@@ -31,6 +31,8 @@ _ON_TOP: tuple[tuple[tuple[str, ...], str, int], ...] = (
     (("table", "cabinet", "counter"), "bottle", 1),
 )
 """(carriers, class, how many), in this order."""
+_OTHER_ROOMS = {"toilet", "bathtub"}
+"""Not seen where people cook, eat and work."""
 _SURFACES = ("table", "desk", "cabinet", "counter")
 
 
@@ -91,7 +93,7 @@ def _furnish(space: Occupancy, stock: Stock, rng: np.random.Generator) -> bool:
         position = stand_at_wall(space, stock, rng, class_name)
         if position is not None and class_name == "desk":
             chair_at(space, stock, rng, position, 0)
-    named = {"table", "chair", *_ALONG_WALLS, *_KITCHEN}
+    named = {"table", "chair", *_ALONG_WALLS, *_KITCHEN, *_OTHER_ROOMS}
     for class_name in _others(stock, "floor", named):
         stand_at_wall(space, stock, rng, class_name)
     for class_name in _others(stock, "wall", set()):

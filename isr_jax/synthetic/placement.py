@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..cad_types import CadLibrary, CadModel
+from ..classes import class_named
 from ..geometry import box_overlap_depth, stack_boxes
 from ..types import Array, Box
 
@@ -41,12 +42,17 @@ def any_model(model: CadModel) -> bool:
 
 
 class Stock:
-    """The models of a library by class, shuffled; each is drawn once before any twice."""
+    """The models of a library by class, shuffled; each is drawn once before any twice.
+
+    Models that hang where others of their class stand (a shelf on a wall) are left out.
+    """
 
     def __init__(self, library: CadLibrary, rng: np.random.Generator) -> None:
         self._rng = rng
         self._models: dict[str, list[CadModel]] = {}
         for model in library.models:
+            if model.mount != class_named(model.class_name).mount:
+                continue
             self._models.setdefault(model.class_name, []).append(model)
         for class_name, models in self._models.items():
             self._models[class_name] = [models[i] for i in rng.permutation(len(models))]

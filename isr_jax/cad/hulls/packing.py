@@ -54,7 +54,8 @@ def unpacked_hulls(data: bytes) -> ModelHulls:
 
 def _packed(head: dict, arrays: dict[str, np.ndarray]) -> bytes:
     stream = io.BytesIO()
-    np.savez(stream, head=np.array(json.dumps(head)), **arrays)
+    arrays = {"head": np.array(json.dumps(head)), **arrays}
+    np.savez(stream, allow_pickle=False, **arrays)
     return stream.getvalue()
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from ...raycast import RayScene
 from ...types import Mesh
@@ -25,7 +25,7 @@ class Reference:
     def __init__(self, corners: Float[np.ndarray, "faces 3 3"]) -> None:
         """Args: corners: Of its triangles, metres."""
         count = int(np.clip(_POINTS_PER_FACE * len(corners), *_SURFACE_POINTS))
-        self._tree = cKDTree(spread_points(corners, count))
+        self._tree = KDTree(spread_points(corners, count))
         flat = corners.reshape(-1, 3).astype(np.float32)
         faces = np.arange(len(flat), dtype=np.int32).reshape(-1, 3)
         self._rays = RayScene([Mesh(flat, faces)], [1])

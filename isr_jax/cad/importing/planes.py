@@ -42,65 +42,70 @@ _SOFT_GAP_M = 0.025
 _SEAT_SHARE = 0.2
 """Of the footprint: with less that is level, the seat itself is not."""
 _MAX_SOFT = 3
-_ROWS = ("faces", "link", "visual", "row", "doubled")
 _MAX_SUPPORTING = 2 * MAX_PLANES
 
 
 def find_planes(
     skin: Skin,
     sheet: Bool[np.ndarray, " faces"],
+    body: Bool[np.ndarray, " faces"],
     link_names: tuple[str, ...],
     settings: ConvertSettings,
-    *,
-    soft: bool,
 ) -> list[Plane]:
     """Supporting planes, largest first, then the largest others that are seen from outside.
 
     Args:
         skin: Canonical frame, joints closed, faces wound outwards.
         sheet: Faces both sides of which count.
-        soft: Where little that is level carries, take also what is nearly level: upholstery is not flat.
+        body: Faces that may give planes; the others are only in the way.
     """
-    x, y, z = skin.size
-    least = MIN_AREA_SHARE * (x * y + y * z + x * z)
+    x, y, z = np.ptp(skin.corners[body].reshape(-1, 3), axis=0)
+    least = float(MIN_AREA_SHARE * (x * y + y * z + x * z))
     space = _Space(skin, sheet)
     sheets = find_sheets(
-        skin,
-        sheet,
-        least_m2=float(least),
-        least_level_m2=float(min(least, MIN_SUPPORT_AREA_M2)),
+        skin.only(body),
+        sheet[body],
+        least_m2=least,
+        least_level_m2=min(least, MIN_SUPPORT_AREA_M2),
         angle_rad=settings.plane_angle_rad,
         gap_m=settings.plane_gap_m,
     )
-    found = [p for s in sheets for p in _planes_of(s, space, link_names, least, settings)]
-    seat_m2 = max((p.area_m2 for p in found if p.supporting), default=0.0)
-    if soft and seat_m2 < _SEAT_SHARE * x * y:
-        found += _soft_seats(skin, space, link_names, settings)
+    found = [
+        plane
+        for s in sheets
+        for plane in _planes_of(s, space, link_names, least, settings.plane_gap_m)
+    ]
     carrying = sorted((p for p in found if p.supporting), key=_largest)[:_MAX_SUPPORTING]
     others = sorted((p for p in found if not p.supporting), key=_largest)
     return carrying + others[: max(0, MAX_PLANES - len(carrying))]
 
 
-def _soft_seats(
-    skin: Skin, space: _Space, link_names: tuple[str, ...], settings: ConvertSettings
+def needs_seat(planes: list[Plane], skin: Skin) -> bool:
+    """Whether what is level carries on too little of the footprint to be a seat."""
+    seat_m2 = max((plane.area_m2 for plane in planes if plane.supporting), default=0.0)
+    return bool(seat_m2 < _SEAT_SHARE * skin.size[0] * skin.size[1])
+
+
+def soft_seats(
+    skin: Skin, sheet: Bool[np.ndarray, " faces"], link_names: tuple[str, ...]
 ) -> list[Plane]:
     """Supporting planes through what is level but for some centimetres, the largest first."""
-    loose = dataclasses.replace(settings, plane_angle_rad=_SOFT_ANGLE_RAD, plane_gap_m=_SOFT_GAP_M)
-    level = dataclasses.replace(
-        skin, **{k: getattr(skin, k)[skin.normal[:, 2] > np.cos(_SOFT_ANGLE_RAD)] for k in _ROWS}
-    )
+    level = skin.normal[:, 2] > np.cos(_SOFT_ANGLE_RAD)
+    if not level.any():
+        return []
     sheets = find_sheets(
-        level,
-        np.zeros(len(level.faces), bool),
+        skin.only(level),
+        np.zeros(int(level.sum()), bool),
         least_m2=np.inf,
         least_level_m2=MIN_SUPPORT_AREA_M2,
-        angle_rad=loose.plane_angle_rad,
-        gap_m=loose.plane_gap_m,
+        angle_rad=_SOFT_ANGLE_RAD,
+        gap_m=_SOFT_GAP_M,
     )
+    space = _Space(skin, sheet)
     found = [
         plane
-        for sheet in sheets
-        for plane in _planes_of(sheet, space, link_names, np.inf, loose, _SOFT_GAP_M)
+        for s in sheets
+        for plane in _planes_of(s, space, link_names, np.inf, _SOFT_GAP_M, _SOFT_GAP_M)
     ]
     return sorted((p for p in found if p.supporting), key=_largest)[:_MAX_SOFT]
 
@@ -217,10 +222,10 @@ def _planes_of(
     space: _Space,
     link_names: tuple[str, ...],
     least_m2: float,
-    settings: ConvertSettings,
+    gap_m: float,
     probe_m: float = _PROBE_M,
 ) -> list[Plane]:
-    """Planes of one sheet; ``probe_m``: so far above it things begin."""
+    """Planes of one sheet that is flat to ``gap_m``; ``probe_m``: so far above it things begin."""
     grid, normal = _Grid.of(sheet), sheet.normal
     bare = grid.covered.copy()
     bare[bare] = space.free(grid.points[bare] + probe_m * normal, normal, _PROBE_M)
@@ -228,7 +233,7 @@ def _planes_of(
     planes = []
     if normal[2] > _UP and bare.any():
         free = bare.copy()
-        above = grid.points[free] + (settings.plane_gap_m + _PROBE_M) * normal
+        above = grid.points[free] + (gap_m + _PROBE_M) * normal
         free[free] = space.free(above, up, CLEARANCE_M)
         useful = [r for r in _regions(free) if _is_useful(grid, r)]
         planes = [_plane(grid, r, link_names, supporting=True) for r in useful]

@@ -69,6 +69,11 @@ class Skin:
         """The same skin, moved."""
         return dataclasses.replace(self, vertices=self.vertices + step)
 
+    def only(self, kept: Bool[np.ndarray, " faces"]) -> Skin:
+        """Some of its faces."""
+        rows = {k: getattr(self, k)[kept] for k in ("faces", "link", "visual", "row", "doubled")}
+        return dataclasses.replace(self, **rows)
+
     def samples(self, count: int) -> Float[np.ndarray, "samples 3"]:
         """Points spread evenly over the area, the same every time."""
         ends = np.cumsum(self.area)
@@ -104,7 +109,8 @@ def skin_of(robot: RobotModel) -> Skin:
 def _welded(points: np.ndarray, faces: np.ndarray, owner: np.ndarray) -> Skin:
     """Corners of one link within the welding distance become one; empty faces go."""
     if not len(faces):
-        return Skin(points, faces, *owner.T, np.zeros(0, bool))
+        link, visual, row = owner.T
+        return Skin(points, faces, link, visual, row, np.zeros(0, bool))
     used = points[faces].reshape(-1, 3)
     diagonal = max(float(np.linalg.norm(np.ptp(used, axis=0))), 1e-9)
     keys = np.round((points - used.min(0)) / (diagonal * _WELD_SHARE)).astype(np.int64)
@@ -135,4 +141,5 @@ def _without_copies(vertices: np.ndarray, faces: np.ndarray, owner: np.ndarray) 
     ways = np.bincount(group, even, len(kept)) / np.bincount(group, minlength=len(kept))
     order = np.argsort(kept)
     kept, both = kept[order], ((ways > 0) & (ways < 1))[order]
-    return Skin(vertices, faces[kept], *owner[kept].T, both)
+    link, visual, row = owner[kept].T
+    return Skin(vertices, faces[kept], link, visual, row, both)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from .skin import Skin
 
@@ -23,7 +23,7 @@ def symmetry_order(skin: Skin, share: float) -> int:
     points = skin.samples(_SAMPLES)
     center = (skin.vertices.min(0) + skin.vertices.max(0)) / 2
     points = points - center
-    tree = cKDTree(points)
+    tree = KDTree(points)
     spacing = float(np.sqrt(skin.area.sum() / _SAMPLES))
     bound = max(share * float(np.linalg.norm(skin.size[:2])), 1.2 * spacing)
     probes = points[:: _SAMPLES // _PROBES]

@@ -7,7 +7,7 @@ default library holds, `make` builds one of it, `fit` makes it at another size.
 from .builder import ModelBuilder
 from .catalogue import KIT, make
 from .fitting import FIT_RANGE, fit
-from .fronts import Column, Front, Look, columns_of
+from .furniture.fronts import Column, Front, Look, columns_of
 from .materials import Material
 from .rows import Row, row
 

@@ -7,23 +7,23 @@ import itertools
 
 from ...cad_types import CadModel
 from ...errors import SettingError
-from . import (
-    catalogue_appliances,
+from .appliances import catalogue as appliances
+from .furniture import (
     catalogue_bedroom,
     catalogue_seating,
     catalogue_storage,
     catalogue_tables,
-    catalogue_things,
 )
 from .rows import Row
+from .things import catalogue as things
 
 _GROUPS = (
-    catalogue_appliances.ROWS,
+    appliances.ROWS,
     catalogue_bedroom.ROWS,
     catalogue_seating.ROWS,
     catalogue_storage.ROWS,
     catalogue_tables.ROWS,
-    catalogue_things.ROWS,
+    things.ROWS,
 )
 
 

@@ -1,0 +1,1 @@
+"""Makers of appliances, sanitary ware and screens, and the rows of the default set."""

@@ -1,0 +1,1 @@
+"""Makers of furniture, and the rows of the default set."""

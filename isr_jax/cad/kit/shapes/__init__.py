@@ -1,0 +1,1 @@
+"""Shapes that convex solids make: turned, blown, bent."""
