@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .alignment import align, alignment_error
-    from .cad import build_library, default_library, load_library
+    from .cad import build_library, default_library, fit, load_library, open_library
     from .config import Settings, preset, with_overrides
     from .datasets import inspect_sequence, open_sequence
     from .demonstration import demo, film_room
@@ -41,9 +41,11 @@ _HOME = {
     "demo": "demonstration",
     "evaluate": "evaluation",
     "film_room": "demonstration",
+    "fit": "cad",
     "furnish": "pipeline",
     "inspect_sequence": "datasets",
     "load_library": "cad",
+    "open_library": "cad",
     "open_segmenter": "segmentation",
     "open_sequence": "datasets",
     "preset": "config",
@@ -77,9 +79,11 @@ __all__ = [
     "demo",
     "evaluate",
     "film_room",
+    "fit",
     "furnish",
     "inspect_sequence",
     "load_library",
+    "open_library",
     "open_segmenter",
     "open_sequence",
     "preset",

@@ -79,7 +79,7 @@ def run(
     sequence: Positional[Path],
     out: Path,
     segmenter: str = "masks",
-    library: Path | None = None,
+    library: str | None = None,
     start_from: Annotated[str | None, tyro.conf.arg(name="from")] = None,
     options: Options = SettingsOptions(),
 ) -> None:
@@ -94,7 +94,7 @@ def run(
         out: Folder for the results.
         segmenter: ONNX models (a.onnx+b.onnx), masks (a folder with panoptic.json), or
             simulated:LEVEL for rendered rooms.
-        library: Folder of CAD models; the built-in kit if left out.
+        library: Folder of CAD models, or several joined by +; the built-in kit if left out.
         start_from: Compute this stage and all after it anew: mapping, entities, contact_graph,
             matching, alignment or physical_check.
         options: Settings.

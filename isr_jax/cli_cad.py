@@ -263,9 +263,9 @@ OPEN_SHARE = 0.6
 
 
 def _library(path: Path | None) -> CadLibrary:
-    from .cad import default_library, load_library
+    from .cad import default_library, open_library
 
-    return default_library() if path is None else load_library(path)
+    return default_library() if path is None else open_library(path)
 
 
 def _write(path: Path, text: str) -> None:

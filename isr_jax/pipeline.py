@@ -170,9 +170,8 @@ def furnish(
             [found], [graph], [shortlist], library, settings.alignment
         )[0],
     )
-    tried = with_hulls_at(
-        library, shortlist.model.tolist(), settings.cad.candidate_hulls, runner.reporter
-    )
+    hulls = settings.cad.candidate_hulls
+    tried = with_hulls_at(library, shortlist.model.tolist(), hulls, runner.reporter)
     placements = runner.run(
         "physical_check",
         physical_check.VERSION,

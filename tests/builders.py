@@ -123,7 +123,7 @@ def parts_model(cad_id, class_name, parts, density=500.0, supporting_top=True) -
         plane_link=("base",) * count,
         plane_supporting=merged.normal[:, 2] > 0.9 if supporting_top else np.zeros(count, bool),
         symmetry=2,
-        mount="floor",
+        mount=class_named(class_name).mount,
         licence="MIT",
         content_hash=cad_id,
     )
@@ -133,6 +133,13 @@ def with_robot(model: CadModel, robot: RobotModel) -> CadModel:
     """The model with other links and joints, its box and planes kept."""
     joints = tuple(joint.name for joint in robot.moving_joints)
     return dataclasses.replace(model, load_robot=held(robot), moving_joints=joints)
+
+
+def without_hulls(model: CadModel) -> CadModel:
+    """The model as an import leaves it: nothing to collide with yet."""
+    links = tuple(dataclasses.replace(link, hulls=()) for link in model.robot.links)
+    bare = with_robot(model, dataclasses.replace(model.robot, links=links))
+    return dataclasses.replace(bare, collision="none")
 
 
 def table_model(cad_id="table/test", size=(1.2, 0.8, 0.74)) -> CadModel:

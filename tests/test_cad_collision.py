@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import sys
 
 import numpy as np
 import pytest
@@ -272,15 +273,25 @@ def test_worker_processes_give_the_same_hulls_and_report_progress(tmp_path):
     assert steps == [(1, 2), (2, 2)]
 
 
-def test_a_worker_that_dies_is_replaced():
-    worker = Worker(timeout_s=60.0)
+@pytest.mark.parametrize("code", ["raise SystemExit(1)", "import time; time.sleep(60)"])
+def test_a_worker_that_dies_or_hangs_gives_nothing_and_starts_again(code):
+    worker = Worker(0.5, (sys.executable, "-c", code))
     try:
-        assert worker.ask(b"no task") is None
-        task = packed_shapes(link_shapes(chair().robot), "vhacd")
-        answer = worker.ask(task)
-        assert answer is not None and len(unpacked_hulls(answer).links[0]) == 6
+        assert worker.ask(b"task") is None
+        worker.command = (sys.executable, "-c", _ECHO)
+        worker.timeout_s = 60.0
+        assert worker.ask(b"task") == b"task"
     finally:
         worker.close()
+
+
+_ECHO = """
+import sys
+head = sys.stdin.buffer.read(8)
+sys.stdout.buffer.write(head + sys.stdin.buffer.read(int.from_bytes(head, "little")))
+sys.stdout.flush()
+sys.stdin.buffer.read()
+"""
 
 
 def test_where_every_worker_dies_each_link_has_its_convex_hull(monkeypatch):

@@ -362,6 +362,20 @@ def test_joints_follow_the_pose_and_the_unit():
     np.testing.assert_allclose((opened - closed)[:3, 3], (0, -0.3, 0), atol=1e-9)
 
 
+def test_a_sliding_door_does_not_turn_the_cabinet():
+    robot = cabinet_robot()
+    slide = dataclasses.replace(robot.joints[1], axis=np.array([0.0, 1, 0]))
+    panel = dataclasses.replace(robot.links[2].visuals[0], mesh=block((0.02, 0.5, 0.5)))
+    door = dataclasses.replace(robot.links[2], visuals=(panel,))
+    robot = RobotModel("cabinet", (robot.links[0], door), (slide,))
+    model = convert(FoundModel("cabinet", "c.urdf", robot, up=np.array([0.0, 0, 1])))
+    assert not any("open to" in note for note in model.notes)
+    # Its flat back is at -x in this file, so the panel slides to the side.
+    moved = link_transforms(model.robot, {"drawer_slide": 0.3})["drawer"]
+    shift = (moved - link_transforms(model.robot)["drawer"])[:3, 3]
+    assert abs(shift[1]) < 1e-9 < abs(shift[0])
+
+
 def test_handles_are_found_by_name_or_estimated_and_left_out_of_the_box():
     model = convert(FoundModel("cabinet", "c.urdf", cabinet_robot(), up=np.array([0.0, 0, 1])))
     door, drawer = model.handles

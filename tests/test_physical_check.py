@@ -196,15 +196,15 @@ def test_nothing_is_nudged_into_a_wall():
 
 
 def test_a_kept_scan_counts():
-    """A cardboard box has no model; a candidate through it loses to one beside it."""
-    box = box_entity(3, "box", (0.45, 0, 0.2), (0.3, 0.3, 0.4))
+    """A cushion has no model; a candidate through it loses to one beside it."""
+    cushion = box_entity(3, "cushion", (0.45, 0, 0.2), (0.3, 0.3, 0.4))
     tries = [Try(1, TABLE, (0, 0, 0.35), 0.01), Try(1, SLIM, (0, 0, 0.35), 0.05)]
-    _, table, kept = run([floor_entity(), table_at(2, 0), box], [ROOM, 0, 0], tries)
-    assert kept.reason == "class box has no CAD function"
+    _, table, kept = run([floor_entity(), table_at(2, 0), cushion], [ROOM, 0, 0], tries)
+    assert kept.reason == "class cushion has no CAD function"
     assert table.cad_id == "table/slim"
-    assert reasons(table)[0].startswith("collides with box_3")
-    _, alone, _ = run([floor_entity(), table_at(2, 0), box], [ROOM, 0, 0], tries[:1])
-    assert alone.cad_id is None and "box_3" in alone.reason
+    assert reasons(table)[0].startswith("collides with cushion_3")
+    _, alone, _ = run([floor_entity(), table_at(2, 0), cushion], [ROOM, 0, 0], tries[:1])
+    assert alone.cad_id is None and "cushion_3" in alone.reason
 
 
 # Supports

@@ -67,6 +67,7 @@ def vhacd_pieces(
 def _simplified(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if len(faces) <= _MAX_FACES:
         return vertices, faces
-    return fast_simplification.simplify(
-        np.asarray(vertices, np.float32), np.asarray(faces, np.int32), target_count=_MAX_FACES
-    )
+    points, rows = fast_simplification.simplify(
+        np.asarray(vertices, np.float64), np.asarray(faces, np.int32), target_count=_MAX_FACES
+    )[:2]
+    return points, rows

@@ -36,6 +36,8 @@ _SMALL_SHARE = 0.015
 """Of the diagonal: screws and buttons that are smaller do not collide."""
 _MAX_BENT_PARTS = 24
 """More bent parts than this are decomposed as one mesh."""
+_MAX_COACD_PARTS = 8
+"""A lamp of twenty bulbs would take minutes."""
 _MAX_TOUCHING = 60
 """A part that falls into more pieces by its edges is a soup, not boards."""
 _MERGE_SHARE = 0.5
@@ -75,8 +77,12 @@ def link_hulls(
     notes: list[str] = []
     convex, bent = _parted(vertices, faces, bound)
     hulls = list(convex)
-    for part in _together(bent):
-        hulls += _decomposed(vertices, part, method, bound, notes)
+    together = _together(vertices, bent)
+    for k, part in enumerate(together):
+        by: Method = method if k < _MAX_COACD_PARTS else "vhacd"
+        hulls += _decomposed(vertices, part, by, bound, notes)
+    if method == "coacd" and len(together) > _MAX_COACD_PARTS:
+        notes.append(f"coacd for the {_MAX_COACD_PARTS} largest bent parts, cuts for the others")
     hulls, used = merged(hulls, _MERGE_SHARE * bound, MAX_HULLS)
     if used > _MERGE_SHARE * bound:
         notes.append(f"merged to {len(hulls)} hulls, which adds up to {1000 * used:.0f} mm")
@@ -90,8 +96,8 @@ def _parted(
 ) -> tuple[list[Hull], list[np.ndarray]]:
     """Hulls of the parts that are convex but for the bound, and the faces of the others."""
     parts = _connected(faces, len(vertices))
-    diagonal = np.linalg.norm(np.ptp(vertices[np.unique(faces)], axis=0))
-    sizes = [np.linalg.norm(np.ptp(vertices[np.unique(p)], axis=0)) for p in parts]
+    diagonal = _extent(vertices, faces)
+    sizes = [_extent(vertices, part) for part in parts]
     large = [p for p, size in zip(parts, sizes) if size >= _SMALL_SHARE * diagonal] or parts
     convex: list[Hull] = []
     bent: list[np.ndarray] = []
@@ -124,6 +130,11 @@ def _by_edges(faces: np.ndarray) -> list[np.ndarray]:
     return np.split(faces[order], np.flatnonzero(np.diff(label[order])) + 1)
 
 
+def _extent(vertices: np.ndarray, faces: np.ndarray) -> float:
+    """Diagonal of the faces' box."""
+    return float(np.linalg.norm(np.ptp(vertices[np.unique(faces)], axis=0)))
+
+
 def _connected(faces: np.ndarray, count: int) -> list[np.ndarray]:
     """Faces of each part that hangs together by shared corners, largest first."""
     a, b = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
@@ -134,8 +145,9 @@ def _connected(faces: np.ndarray, count: int) -> list[np.ndarray]:
     return sorted(parts, key=lambda part: -len(part))
 
 
-def _together(bent: list[np.ndarray]) -> list[np.ndarray]:
-    """The bent parts, the smallest of too many as one."""
+def _together(vertices: np.ndarray, bent: list[np.ndarray]) -> list[np.ndarray]:
+    """The bent parts, largest first, the smallest of too many as one."""
+    bent = sorted(bent, key=lambda part: -_extent(vertices, part))
     few, rest = bent[:_MAX_BENT_PARTS], bent[_MAX_BENT_PARTS:]
     return [*few, np.concatenate(rest)] if rest else few
 

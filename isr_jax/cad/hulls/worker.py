@@ -38,6 +38,7 @@ class Worker:
     """One such process; it is started anew after a crash."""
 
     timeout_s: float
+    command: tuple[str, ...] = (sys.executable, "-m", __name__)
     _process: subprocess.Popen | None = None
 
     def ask(self, task: bytes) -> bytes | None:
@@ -65,10 +66,9 @@ class Worker:
             self._process = None
 
     def _started(self) -> subprocess.Popen:
-        command = [sys.executable, "-m", __name__]
         paths = os.pathsep.join(path for path in sys.path if path)
         self._process = subprocess.Popen(
-            command,
+            self.command,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
-from ...robot_model import Joint, RobotModel, joint_motion, link_transforms
+from ...robot_model import Joint, Link, RobotModel, joint_motion, link_transforms
 from .skin import Skin
 
 Vector = Float[np.ndarray, "3"]
@@ -158,7 +158,7 @@ def _opening_direction(robot: RobotModel) -> Vector | None:
         points = np.concatenate([v.mesh.vertices for v in link.visuals]).astype(np.float64)
         far = joint.upper if abs(joint.upper) >= abs(joint.lower) else joint.lower
         step = np.sign(far) * min(abs(far), 0.2)
-        if joint.kind == "continuous" or step == 0 or _slides_sideways(joint, points):
+        if joint.kind == "continuous" or step == 0 or _slides_sideways(joint, link):
             continue
         T = closed[joint.child]
         middle = np.append((points.min(0) + points.max(0)) / 2, 1.0)
@@ -167,11 +167,12 @@ def _opening_direction(robot: RobotModel) -> Vector | None:
     return _level_axis(votes) if np.linalg.norm(votes[:2]) > 1e-9 else None
 
 
-def _slides_sideways(joint: Joint, points: np.ndarray) -> bool:
+def _slides_sideways(joint: Joint, link: Link) -> bool:
     """Whether a thin panel moves in its own plane: a sliding door says nothing of the front."""
-    extent = np.ptp(points, axis=0)
-    thin = int(np.argmin(extent))
-    is_panel = extent[thin] < _PANEL_SHARE * np.sort(extent)[1]
+    extents = np.array([np.ptp(v.mesh.vertices, axis=0) for v in link.visuals])
+    largest = extents[np.argmax(np.prod(np.sort(extents, axis=1)[:, 1:], axis=1))]
+    thin = int(np.argmin(largest))
+    is_panel = largest[thin] < _PANEL_SHARE * np.sort(largest)[1]
     return bool(joint.kind == "prismatic" and is_panel and abs(joint.axis[thin]) < 0.5)
 
 
