@@ -14,7 +14,7 @@ from ...types import PlaneSet
 from ..model_files import with_content_hash
 from .materials import Material
 from .solids import Solid, rounded
-from .surfaces import Piece, Plane, model_planes
+from .surfaces import TIE, Piece, Plane, model_planes
 from .uv import visual_mesh
 
 BASE = "base"
@@ -297,6 +297,6 @@ def _plane_set(planes: list[Plane], center: np.ndarray) -> PlaneSet:
         normal.astype(np.float32),
         np.round(offset, 7).astype(np.float32),
         rounded(corners),
-        np.round([p.area_m2 for p in planes], 7).astype(np.float32),
+        np.round([p.area_m2 + TIE for p in planes], 7).astype(np.float32),
         np.ones(len(planes), bool),
     )

@@ -30,6 +30,9 @@ _GAP_M = 0.006
 _LEVEL = 0.9
 """Least upward part of the normal of what carries."""
 _SEEN_SHARE = 0.3
+TIE = 1e-9
+"""Added before rounding: products of round dimensions end in an exact half, which the noise of the
+last bits would round up on one machine and down on another."""
 _SIGHT_POINTS = 32
 
 
@@ -63,9 +66,11 @@ def model_planes(pieces: list[Piece], size: np.ndarray) -> list[Plane]:
         found = _largest(sheets, space)
     points = np.concatenate(space.vertices)
 
-    def rank(plane: Plane) -> tuple[bool, bool, float]:
+    def rank(plane: Plane) -> tuple[bool, bool, float, list[float]]:
         beyond = ((points - plane.corners[0]) @ plane.normal).max()
-        return not plane.supporting, bool(beyond > _OUTSIDE_M), -round(plane.area_m2, 6)
+        place = np.round(plane.corners.mean(0) + TIE, 4).tolist()
+        area = round(plane.area_m2 + TIE, 6)
+        return not plane.supporting, bool(beyond > _OUTSIDE_M), -area, place
 
     found.sort(key=rank)
     carrying = sum(p.supporting for p in found)
@@ -202,7 +207,7 @@ def _planes_of(sheet: _Sheet, space: Space, least_m2: float) -> list[Plane]:
 def _largest(sheets: list[_Sheet], space: Space) -> list[Plane]:
     """The first sheets that are half free, whatever their size, from the largest down."""
     found: list[Plane] = []
-    for sheet in sorted(sheets, key=lambda s: -round(sum(s.areas_m2), 6)):
+    for sheet in sorted(sheets, key=lambda s: -round(sum(s.areas_m2) + TIE, 6)):
         found += _planes_of(sheet, space, sum(sheet.areas_m2) / 2)
         if len(found) >= MIN_PLANES:
             break
