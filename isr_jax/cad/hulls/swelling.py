@@ -56,7 +56,7 @@ class Reference:
             return np.zeros(0, bool)
         origins = np.repeat(points, len(directions), 0)
         hits = self._rays.cast(origins, np.tile(directions, (len(points), 1)))
-        return (hits.triangle < 0).reshape(len(points), len(directions)).any(1)
+        return np.asarray((hits.triangle < 0).reshape(len(points), len(directions)).any(1))
 
 
 def spread_points(corners: Float[np.ndarray, "faces 3 3"], count: int) -> Float[np.ndarray, "n 3"]:
