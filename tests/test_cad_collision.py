@@ -25,7 +25,7 @@ from isr_jax.cad.hulls.slicing import clipped, slices
 from isr_jax.cad.hulls.solid import MAX_VERTICES, Hull, cut, hull_of
 from isr_jax.cad.hulls.swelling import Reference
 from isr_jax.cad.hulls.worker import Worker
-from isr_jax.cad.importing.convert import convert
+from isr_jax.cad.importing.converting.convert import convert
 from isr_jax.cad.importing.found import FoundModel
 from isr_jax.cad.kit import KIT, make
 from isr_jax.errors import SettingError

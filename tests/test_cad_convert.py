@@ -7,11 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from isr_jax.cad.importing.class_guess import class_of_words, guess_class
-from isr_jax.cad.importing.convert import convert
+from isr_jax.cad.importing.converting.class_guess import class_of_words, guess_class
+from isr_jax.cad.importing.converting.convert import convert
+from isr_jax.cad.importing.converting.orientation import base_share, find_up, rotation_to_canonical
+from isr_jax.cad.importing.converting.plausible import UNITS_M, largest_side_range, unit_of
 from isr_jax.cad.importing.found import FoundModel
-from isr_jax.cad.importing.orientation import base_share, find_up, rotation_to_canonical
-from isr_jax.cad.importing.plausible import UNITS_M, largest_side_range, unit_of
 from isr_jax.cad.kit import make
 from isr_jax.cad.kit.surfaces import MIN_SUPPORT_SIDE_M
 from isr_jax.cad_types import CadModel

@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from isr_jax.cad.importing.files import FolderFiles, ZipFiles, locate, within
-from isr_jax.cad.importing.limits import ReadLimits
 from isr_jax.cad.importing.names import Unique, fit_name, shown, slug
-from isr_jax.cad.importing.properties import read_properties
-from isr_jax.cad.importing.safe_xml import parse_xml
+from isr_jax.cad.importing.reading.files import FolderFiles, ZipFiles, locate, within
+from isr_jax.cad.importing.reading.limits import ReadLimits
+from isr_jax.cad.importing.reading.properties import read_properties
+from isr_jax.cad.importing.reading.safe_xml import parse_xml
 from isr_jax.errors import LibraryError
 
 from .foreign_models import BOMB, OUTSIDE, write, write_zip

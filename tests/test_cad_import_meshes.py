@@ -13,14 +13,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from isr_jax.cad.importing.files import FolderFiles
-from isr_jax.cad.importing.limits import ReadLimits
-from isr_jax.cad.importing.mesh_parts import Shape, moved
-from isr_jax.cad.importing.mesh_shapes import read_shape
-from isr_jax.cad.importing.polygons import triangulated
-from isr_jax.cad.importing.rigid import read_mesh_model
-from isr_jax.cad.importing.simplify import within_budget
-from isr_jax.cad.importing.textures import texture_of
+from isr_jax.cad.importing.reading.files import FolderFiles
+from isr_jax.cad.importing.reading.limits import ReadLimits
+from isr_jax.cad.importing.reading.mesh_parts import Shape, moved
+from isr_jax.cad.importing.reading.mesh_shapes import read_shape
+from isr_jax.cad.importing.reading.polygons import triangulated
+from isr_jax.cad.importing.reading.rigid import read_mesh_model
+from isr_jax.cad.importing.reading.simplify import within_budget
+from isr_jax.cad.importing.reading.textures import texture_of
 from isr_jax.errors import LibraryError
 
 from .foreign_models import BOMB, OUTSIDE, cube_obj, cube_stl, dae, glb, png, write

@@ -11,7 +11,8 @@ import pytest
 import trimesh
 import yourdfpy
 
-from isr_jax.cad.importing.convex_shapes import (
+from isr_jax.cad.importing.found import FoundModel
+from isr_jax.cad.importing.reading.convex_shapes import (
     ball,
     box,
     capsule,
@@ -19,13 +20,12 @@ from isr_jax.cad.importing.convex_shapes import (
     cylinder,
     hull_of,
 )
-from isr_jax.cad.importing.files import FolderFiles
-from isr_jax.cad.importing.found import FoundModel
-from isr_jax.cad.importing.joint_facts import sound_joint
-from isr_jax.cad.importing.limits import ReadLimits
-from isr_jax.cad.importing.mjcf_format import read_mjcf_models
-from isr_jax.cad.importing.stated_mass import believable
-from isr_jax.cad.importing.urdf_format import read_urdf_model, resolved
+from isr_jax.cad.importing.reading.files import FolderFiles
+from isr_jax.cad.importing.reading.joint_facts import sound_joint
+from isr_jax.cad.importing.reading.limits import ReadLimits
+from isr_jax.cad.importing.reading.mjcf_format import read_mjcf_models
+from isr_jax.cad.importing.reading.stated_mass import believable
+from isr_jax.cad.importing.reading.urdf_format import read_urdf_model, resolved
 from isr_jax.errors import LibraryError
 from isr_jax.robot_model import Joint, Link, Visual, link_transforms
 from isr_jax.types import Mesh

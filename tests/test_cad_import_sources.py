@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from isr_jax.cad.importing.files import FolderFiles, ZipFiles
-from isr_jax.cad.importing.limits import ReadLimits
-from isr_jax.cad.importing.sources import Item, find_models
+from isr_jax.cad.importing.reading.files import FolderFiles, ZipFiles
+from isr_jax.cad.importing.reading.limits import ReadLimits
+from isr_jax.cad.importing.reading.sources import Item, find_models
 from isr_jax.errors import LibraryError
 from isr_jax.robot_model import merged_mesh
 

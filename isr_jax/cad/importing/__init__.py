@@ -2,11 +2,11 @@
 
 from .add import AddOptions, add_models
 from .add_report import Added, AddReport, Rejected, report_tables
-from .convert import convert
+from .converting.convert import convert
+from .converting.settings import ConvertSettings
 from .found import FoundModel
-from .limits import ReadLimits
-from .settings import ConvertSettings
-from .sources import Item, find_models
+from .reading.limits import ReadLimits
+from .reading.sources import Item, find_models
 
 __all__ = [
     "AddOptions",

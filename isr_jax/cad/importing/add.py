@@ -18,13 +18,13 @@ from ...classes import class_named
 from ...errors import LibraryError, OutputError, SettingError
 from ..model_files import save_model
 from .add_report import Added, AddReport, Rejected, write_report
-from .convert import convert
+from .converting.convert import convert
+from .converting.settings import ConvertSettings
 from .found import FoundModel
 from .isolation import Failure, run_isolated
-from .limits import ReadLimits
 from .names import slug
-from .settings import ConvertSettings
-from .sources import Item, find_models
+from .reading.limits import ReadLimits
+from .reading.sources import Item, find_models
 
 Progress = Callable[[int, int], None]
 _STAGING = ".incoming"

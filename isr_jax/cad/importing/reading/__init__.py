@@ -1,0 +1,1 @@
+"""Readers: what foreign files say, unchanged."""
