@@ -15,7 +15,6 @@ from ..errors import LibraryError, OutputError, SceneError
 from ..robot_model import RobotModel, read_urdf, urdf_files
 from ..robot_model.mtl import IMAGE_ENDINGS
 from .records import (
-    SCHEMA_VERSION,
     Record,
     check_links,
     check_record,
@@ -104,20 +103,8 @@ def read_record(folder: Path) -> Record:
     path = folder / "model.json"
     with _unusable(folder, path):
         record = json.loads(path.read_text("utf-8"))
-        if record["schema_version"] == "1.0":
-            record = _from_1_0(record, folder)
         check_record(record, path)
     return record
-
-
-def _from_1_0(record: Record, folder: Path) -> Record:
-    """A record of schema 1.0 as one of today; what it did not say stays unsaid, with a note."""
-    record.pop("content_hash", None)
-    joints = [joint.name for joint in read_urdf(folder / "model.urdf").moving_joints]
-    said = {"moving_joints": joints, "notes": ["written in schema 1.0, which knew no handles"]}
-    unsaid = {"handles": [], "collision": "exact", "swelling_m": 0.0}
-    origin = {"creator": "isr_jax", "source": "kit"}
-    return record | said | unsaid | origin | {"schema_version": SCHEMA_VERSION}
 
 
 def robot_loader(folder: Path, expected_hash: str) -> functools.partial[RobotModel]:

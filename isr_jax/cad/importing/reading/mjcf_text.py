@@ -87,7 +87,7 @@ def included_files(files: Files, name: str, limits: ReadLimits) -> set[str]:
         found |= expanded.included
         found |= {f for f in expanded.asset_files(root) if f is not None}
     except LibraryError:
-        pass
+        pass  # reading the document itself refuses it, with the reason
     return found
 
 
