@@ -9,7 +9,7 @@ from ..classes import class_named
 from ..errors import LibraryError, SceneError
 from .floor_rules import chair_at, hang_on_wall, kitchen_run, stand_at_wall, table_with_chairs
 from .placement import ON_FLOOR, ON_NOTHING, Occupancy, Proposal, Stock, rotation_2d
-from .room import LayoutPatch, PlacedModel, Room, upright_from_gravity
+from .room import LayoutPatch, PlacedModel, Room, upright_from_gravity, upright_pose
 from .support_rules import put_on
 
 REQUIRED_CLASSES = ("table", "chair", "cabinet", "cup")
@@ -162,6 +162,7 @@ def _room_in_world(
     gravity = np.array([*sideways, -np.cos(tilt)])
     return Room(
         name=f"room_{seed}",
+        kind="kitchen",
         seed=seed,
         layout=layout,
         items=_items(space, T_world_room, yaw, len(layout) + 1, rng),
@@ -206,8 +207,9 @@ def _items(
             id=first_id + i,
             model=p.model,
             scale=p.scale,
-            yaw=p.yaw + yaw,
-            center=(T_world_room[:3, :3] @ p.center + T_world_room[:3, 3]).astype(np.float32),
+            T_world_cad=upright_pose(
+                p.yaw + yaw, T_world_room[:3, :3] @ p.center + T_world_room[:3, 3]
+            ),
             parent=parent,
             parent_plane=None if parent is None else p.plane,
             attachment="wall" if p.parent == ON_NOTHING else "none",

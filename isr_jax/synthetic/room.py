@@ -9,9 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from ..cad_types import CadModel
+from ..classes import class_named
 from ..geometry import canonical_box, smallest_rotation
 from ..types import Box, Mesh
 
+ROOM_KINDS = ("kitchen", "office", "living", "bedroom", "meeting")
+_UPRIGHT_COSINE = 1.0 - 1e-6
 WALL_SLAB_M = 0.02
 """Thickness of the boxes of layout entities; their surface is the side towards the room."""
 
@@ -24,6 +27,11 @@ class LayoutPatch:
     class_name: str
     corners: Float[np.ndarray, "4 3"]
     """Counter-clockwise seen from inside the room, world frame, metres."""
+    openings: Float[np.ndarray, "openings 4"] = dataclasses.field(
+        default_factory=lambda: np.zeros((0, 4), np.float32)
+    )
+    """Holes for doors and windows that do not meet: (u0, v0, u1, v1) in metres from
+    ``corners[0]`` along the sides to ``corners[1]`` (u) and ``corners[3]`` (v)."""
 
     @property
     def name(self) -> str:
@@ -54,15 +62,15 @@ class PlacedModel:
     id: int
     model: CadModel
     scale: float
-    yaw: float
-    """Of the model about +z, world frame, radians; not brought into [-pi/4, pi/4)."""
-    center: Float[np.ndarray, "3"]
-    """Centre of the model's box, world frame, metres."""
+    T_world_cad: Float[np.ndarray, "4 4"]
+    """float32, without the scale: the model's axes in the world, and the centre of its box.
+    Upright but for things that lean."""
     parent: str | None
     """Name of the entity that carries it; None where nothing does."""
     parent_plane: int | None
     """Plane of the parent: of a model's own planes, or 0 for layout."""
     attachment: str
+    """``none``, ``wall``, ``hanging`` or ``leaning``; what leans has no parent."""
     tint: Float[np.ndarray, "3"]
     """Factor on the model's colours: instances of one model differ a little."""
 
@@ -70,19 +78,31 @@ class PlacedModel:
     def name(self) -> str:
         return f"{self.model.class_name}_{self.id}"
 
-    @functools.cached_property
-    def T_world_cad(self) -> np.ndarray:
-        """[4, 4], without the scale."""
-        T = np.eye(4, dtype=np.float32)
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
-        T[:2, :2] = [[c, -s], [s, c]]
-        T[:3, 3] = self.center
-        return T
+    @property
+    def kind(self) -> str:
+        """Of its class: ``thing``, or ``stuff`` (windows, pictures), which is no entity."""
+        return class_named(self.model.class_name).kind
+
+    @property
+    def center(self) -> np.ndarray:
+        """[3] of the model's box, world frame, metres."""
+        return self.T_world_cad[:3, 3]
+
+    @property
+    def yaw(self) -> float:
+        """Heading of the model's +x, radians; not brought into [-pi/4, pi/4)."""
+        return float(np.arctan2(self.T_world_cad[1, 0], self.T_world_cad[0, 0]))
 
     @functools.cached_property
     def box(self) -> Box:
-        """The model's box (handles left out), world frame."""
-        return canonical_box(self.center, self.yaw, self.scale * self.model.size)
+        """The model's box (handles left out), world frame; around the turned one if it leans."""
+        half = self.scale * np.asarray(self.model.size) / 2
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        level = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) @ self.T_world_cad[:3, :3]
+        size = self.scale * np.asarray(self.model.size)
+        if level[2, 2] < _UPRIGHT_COSINE:
+            size = 2 * np.abs(level) @ half
+        return canonical_box(self.center, self.yaw, size)
 
     def to_world(self, points: np.ndarray) -> np.ndarray:
         """Points of the model's canonical frame, in the world."""
@@ -95,6 +115,8 @@ class Room:
     """A furnished room. World: z up, floor at z = 0, walls off the axes."""
 
     name: str
+    kind: str
+    """Of `ROOM_KINDS`."""
     seed: int
     layout: tuple[LayoutPatch, ...]
     """The floor first."""
@@ -107,6 +129,13 @@ class Room:
     """float64. The frame in which a sequence of this room is written is not z-up."""
     gravity_dataset: Float[np.ndarray, "3"]
     """Unit, down, dataset frame, float64."""
+    notes: tuple[str, ...] = ()
+    """What the library had no models for, what found no place, what was taken away again."""
+
+    @property
+    def things(self) -> tuple[PlacedModel, ...]:
+        """The items that are entities: a map keeps the others as stuff."""
+        return tuple(item for item in self.items if item.kind == "thing")
 
     def item(self, name: str) -> PlacedModel:
         return next(item for item in self.items if item.name == name)
@@ -118,6 +147,15 @@ class Room:
         while name in names and names[name].parent is not None:
             name, depth = names[name].parent or "", depth + 1
         return depth
+
+
+def upright_pose(yaw: float, center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
+    """``T_world_cad`` of what stands upright, float32."""
+    T = np.eye(4, dtype=np.float32)
+    c, s = np.cos(yaw), np.sin(yaw)
+    T[:2, :2] = [[c, -s], [s, c]]
+    T[:3, 3] = center
+    return T
 
 
 def upright_from_gravity(gravity: np.ndarray, floor_height_m: float) -> np.ndarray:
