@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
 
 import pytest
@@ -11,6 +12,7 @@ from isr_jax.config import (
     PRESETS,
     MappingSettings,
     preset,
+    settings_to_dict,
     settings_from_toml,
     settings_to_toml,
     with_overrides,
@@ -23,6 +25,14 @@ def test_every_preset_survives_the_file_it_is_saved_in(name, tmp_path):
     path = tmp_path / "config.toml"
     path.write_text(settings_to_toml(preset(name)))
     assert settings_from_toml(path) == preset(name)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_can_stand_in_a_scene_file(name):
+    """JSON has no infinity, and the paper's preset rejects models by an infinite cost."""
+    data = json.loads(json.dumps(settings_to_dict(preset(name)), allow_nan=False))
+    assert data["preset"] == name
+    assert (data["matching"]["unmatched_cost"] == "inf") == (name == "paper")
 
 
 def test_every_setting_says_what_it_means():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -96,5 +97,11 @@ def settings_from_toml(path: Path) -> Settings:
 
 
 def settings_to_dict(settings: Settings) -> dict[str, Any]:
-    """Nested plain data, for scene.json."""
-    return dataclasses.asdict(settings)
+    """Nested plain data, for scene.json: what is infinite is the text ``inf``, as in TOML."""
+    return _json_safe(dataclasses.asdict(settings))
+
+
+def _json_safe(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _json_safe(item) for key, item in value.items()}
+    return str(value) if isinstance(value, float) and math.isinf(value) else value
