@@ -337,7 +337,7 @@ def test_prefetch_keeps_order_and_can_be_left(folders):
 def test_colour_beside_the_depth_camera_is_moved_onto_it():
     """A colour image that encodes its own columns tells where each depth pixel looked."""
     depth_camera = Camera(500.0, 500.0, 80.0, 60.0, 160, 120)
-    color_camera = ColorCamera(f=450.0, cx=82.0, cy=58.0, x_m=-0.03)
+    color_camera = ColorCamera(fx=450.0, fy=450.0, cx=82.0, cy=58.0, x_m=-0.03)
     columns = np.tile(np.arange(160, dtype=np.uint8), (120, 1))
     color = np.stack([columns, columns, columns], -1)
     depth_m = np.full((120, 160), 1.5, np.float32)
@@ -353,5 +353,5 @@ def test_colour_without_any_depth_is_left_as_it_is():
     color = np.arange(12 * 16 * 3, dtype=np.uint8).reshape(12, 16, 3)
     camera = Camera(20.0, 20.0, 8.0, 6.0, 16, 12)
     nothing = np.zeros((12, 16), np.float32)
-    moved = register_color(color, nothing, camera, ColorCamera(20.0, 8.0, 6.0, -0.03))
+    moved = register_color(color, nothing, camera, ColorCamera(20.0, 20.0, 8.0, 6.0, -0.03))
     np.testing.assert_array_equal(moved, color)

@@ -11,6 +11,7 @@ from jaxtyping import Float, UInt8
 
 from ..errors import FrameError
 from ..types import Camera
+from .image_slice import ImageSlice
 
 _TAIL_BYTES = 64
 """An end marker stands this near the end; some cameras append a few bytes of padding."""
@@ -20,25 +21,41 @@ _NO_RETURN = 65535
 
 @dataclasses.dataclass(frozen=True)
 class ColorCamera:
-    """A colour camera that stands beside the depth camera, axes parallel."""
+    """A colour camera that stands beside the depth camera, or in it, axes parallel."""
 
-    f: float
+    fx: float
     """Focal length, pixels."""
+    fy: float
     cx: float
     cy: float
-    x_m: float
+    x_m: float = 0.0
     """Where the depth camera's origin lies along the colour camera's x axis, metres."""
+    width: int | None = None
+    """Of the colour images, pixels; None: the depth camera's."""
+    height: int | None = None
+
+    def resized(self, width: int, height: int) -> ColorCamera:
+        """The camera of the same images at another size; centres of pixels are whole numbers."""
+        x = width / (self.width or width)
+        y = height / (self.height or height)
+        cx, cy = (self.cx + 0.5) * x - 0.5, (self.cy + 0.5) * y - 0.5
+        return ColorCamera(self.fx * x, self.fy * y, cx, cy, self.x_m, width, height)
 
 
-def read_color(path: Path) -> UInt8[np.ndarray, "height width 3"]:
+def read_color(path: Path | ImageSlice) -> UInt8[np.ndarray, "height width 3"]:
     """An RGB image; raises `FrameError` when the file is missing, cut off or no image."""
+    if isinstance(path, ImageSlice) and path.coding == "raw_rgb":
+        return path.rgb()
     image = _decode(path, cv2.IMREAD_COLOR_RGB)
     return np.ascontiguousarray(image)
 
 
-def read_depth(path: Path, units_per_metre: float) -> Float[np.ndarray, "height width"]:
+def read_depth(
+    path: Path | ImageSlice, units_per_metre: float
+) -> Float[np.ndarray, "height width"]:
     """Depth in metres, 0 = no return; the file holds ``units_per_metre`` as 16-bit integers."""
-    image = _decode(path, cv2.IMREAD_UNCHANGED)
+    sliced = isinstance(path, ImageSlice)
+    image = path.depth() if sliced else _decode(path, cv2.IMREAD_UNCHANGED)
     if image.dtype != np.uint16 or image.ndim != 2:
         channels = 1 if image.ndim == 2 else image.shape[2]
         raise FrameError(
@@ -58,7 +75,7 @@ def register_color(
 ) -> UInt8[np.ndarray, "height width 3"]:
     """Colour as the depth camera sees it; a pixel without return takes its neighbour's depth.
 
-    u' = cx' + f' (x + x_m) / z,  v' = cy' + f' y / z  for the point (x, y, z) of pixel (u, v).
+    u' = cx' + fx' (x + x_m) / z,  v' = cy' + fy' y / z  for the point (x, y, z) of pixel (u, v).
     """
     missing = (depth_m <= 0).astype(np.uint8)
     if missing.all():
@@ -73,8 +90,8 @@ def register_color(
     v, u = np.indices(depth_m.shape, np.float32)
     x_over_z = (u - depth_camera.cx) / depth_camera.fx + color_camera.x_m / z
     y_over_z = (v - depth_camera.cy) / depth_camera.fy
-    map_u = np.asarray(color_camera.cx + color_camera.f * x_over_z, np.float32)
-    map_v = np.asarray(color_camera.cy + color_camera.f * y_over_z, np.float32)
+    map_u = np.asarray(color_camera.cx + color_camera.fx * x_over_z, np.float32)
+    map_v = np.asarray(color_camera.cy + color_camera.fy * y_over_z, np.float32)
     moved = cv2.remap(color, map_u, map_v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(moved, np.uint8)
 
@@ -88,7 +105,7 @@ def resize_color(
     return np.asarray(cv2.resize(color, (width, height), interpolation=method), np.uint8)
 
 
-def _decode(path: Path, flags: int) -> np.ndarray:
+def _decode(path: Path | ImageSlice, flags: int) -> np.ndarray:
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -103,8 +120,13 @@ def _decode(path: Path, flags: int) -> np.ndarray:
     return image
 
 
-def check_complete(path: Path) -> None:
+def check_complete(path: Path | ImageSlice) -> None:
     """Raises `FrameError` for a cut file without decoding it."""
+    if isinstance(path, ImageSlice):
+        data = path.read_bytes()
+        if path.coding == "encoded":
+            _check_end(path, data[:2], data[-_TAIL_BYTES:], len(data))
+        return
     try:
         with path.open("rb") as file:
             start = file.read(2)
@@ -116,7 +138,7 @@ def check_complete(path: Path) -> None:
     _check_end(path, start, tail, size)
 
 
-def _check_end(path: Path, start: bytes, tail: bytes, size: int) -> None:
+def _check_end(path: Path | ImageSlice, start: bytes, tail: bytes, size: int) -> None:
     """OpenCV fills what is missing of a cut JPEG with grey; only the end marker tells."""
     marker = {b"\xff\xd8": b"\xff\xd9", b"\x89P": b"IEND"}.get(start)
     if size == 0 or (marker is not None and marker not in tail):

@@ -6,19 +6,27 @@ import os
 from pathlib import Path
 
 from ..errors import SequenceError
-from . import plain_folder, seven_scenes, tum
+from . import plain_folder, scannet, scenenn, seven_scenes, tum
 from .recording import Recording
 
-_READERS = {"tum": tum, "7scenes": seven_scenes, "plain": plain_folder}
+_READERS = {
+    "tum": tum,
+    "7scenes": seven_scenes,
+    "scenenn": scenenn,
+    "scannet": scannet,
+    "plain": plain_folder,
+}
 _KNOWN = (
     "7scenes (frame-NNNNNN.color.jpg, .depth.png, .pose.txt), "
     "tum (rgb.txt, depth.txt, groundtruth.txt), "
+    "scenenn (image/, depth/, trajectory.log), "
+    "scannet (NAME.sens, or color/, depth/, pose/, intrinsic/), "
     "plain (rgb/, depth/, poses/, intrinsics.json)"
 )
 
 
 def detect_format(path: Path) -> str:
-    """``7scenes``, ``tum`` or ``plain``; raises `SequenceError` for anything else."""
+    """The layout's name, as `open_sequence` takes it; `SequenceError` for anything else."""
     names = _entries(path)
     found = next((f for f, reader in _READERS.items() if reader.matches(names)), None)
     if found is not None:

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import FrameError, SequenceError
+from .image_slice import ImageSlice
 from .images import ColorCamera, read_depth
 
 _HASHED_WHOLE = 8
@@ -35,11 +36,11 @@ class Intrinsics:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class RecordedFrame:
-    """The files of one frame; None where one is missing."""
+    """The images of one frame, files or parts of one; None where one is missing."""
 
     name: str
-    color: Path | None
-    depth: Path | None
+    color: Path | ImageSlice | None
+    depth: Path | ImageSlice | None
     pose: Float[np.ndarray, "4 4"] | FrameError
     """Camera to dataset, OpenCV axes; or why there is none."""
 
@@ -64,6 +65,8 @@ class Recording:
     """What had to be assumed, for the user."""
     color_camera: ColorCamera | None = None
     """None where colour is already on the depth camera's pixels."""
+    header: bytes = b""
+    """What a file too large to hash says of how to read the rest."""
 
     def depth_m(self, frame: RecordedFrame) -> Float[np.ndarray, "height width"]:
         """Depth of a frame, metres, not clipped."""
@@ -76,6 +79,7 @@ class Recording:
         digest.update(json.dumps(plain).encode())
         for path in self.settings_files:
             digest.update(path.read_bytes())
+        digest.update(self.header)
         whole = set(spread(len(self.frames), _HASHED_WHOLE))
         for i, frame in enumerate(self.frames):
             pose = frame.pose
@@ -88,22 +92,24 @@ class Recording:
         return digest.hexdigest()
 
 
-def _size(path: Path | None) -> int:
+def _size(path: Path | ImageSlice | None) -> int:
     """Bytes; -1 for a file that is not there, which is an error only where its frame is read."""
+    if isinstance(path, ImageSlice):
+        return path.size
     try:
         return -1 if path is None else os.stat(path).st_size
     except OSError:
         return -1
 
 
-def _contents(path: Path) -> bytes:
+def _contents(path: Path | ImageSlice) -> bytes:
     try:
         return path.read_bytes()
-    except OSError:
+    except (OSError, FrameError):
         return b""
 
 
-def present(frame: RecordedFrame, path: Path | None, kind: str) -> Path:
+def present(frame: RecordedFrame, path: Path | ImageSlice | None, kind: str) -> Path | ImageSlice:
     """``path``, or the `FrameError` that says which file of the frame is missing."""
     if path is None:
         raise FrameError(f"frame {frame.name} has no {kind} file", f"add its {kind} or drop it")

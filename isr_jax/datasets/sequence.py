@@ -21,7 +21,7 @@ from .checks import (
     recorded_camera,
     sampled_cloud,
 )
-from .images import read_color, register_color, resize_color
+from .images import ColorCamera, read_color, register_color, resize_color
 from .layouts import read_recording
 from .recording import RecordedFrame, Recording, present
 from .world_frame import WorldFrame, degrees_between, find_world_frame
@@ -91,12 +91,13 @@ class RecordedSequence:
     def _color(self, recorded: RecordedFrame, depth_m: np.ndarray) -> np.ndarray:
         color = read_color(present(recorded, recorded.color, "colour"))
         width, height = self.camera.width, self.camera.height
+        own = self.recording.color_camera
         if color.shape[:2] != (height, width):
-            _check_aspect(recorded, color, width, height)
+            _check_size(recorded, color, self.camera, own)
             color = resize_color(color, width, height)
-        if self.recording.color_camera is None:
+        if own is None:
             return color
-        return register_color(color, depth_m, self.camera, self.recording.color_camera)
+        return register_color(color, depth_m, self.camera, own.resized(width, height))
 
 
 def open_sequence(
@@ -108,9 +109,10 @@ def open_sequence(
     another resolution, depth in another unit, poses of another convention, no floor.
 
     Args:
-        path: Folder of a 7-Scenes, TUM RGB-D or plain sequence.
+        path: Folder of a 7-Scenes, TUM RGB-D, SceneNN, ScanNet or plain sequence.
         settings: Which depth is believed; picking frames is left to who iterates.
-        format: ``7scenes``, ``tum`` or ``plain``; by default found from the folder's entries.
+        format: ``7scenes``, ``tum``, ``scenenn``, ``scannet`` or ``plain``; by default found
+            from the folder's entries.
     """
     settings = settings or InputSettings()
     recording = read_recording(Path(path), format)
@@ -147,12 +149,13 @@ def color_notes(recording: Recording, camera: Camera) -> tuple[str, ...]:
         if color.shape[:2] == (camera.height, camera.width):
             return ()
         try:
-            _check_aspect(recorded, color, camera.width, camera.height)
+            _check_size(recorded, color, camera, recording.color_camera)
         except FrameError as error:
             raise SequenceError(error.problem, error.hint) from None
+        by = "" if recording.color_camera is None else ", by the intrinsics of both"
         return (
             f"colour is {color.shape[1]}x{color.shape[0]}; it is resized to the depth's "
-            f"{camera.width}x{camera.height}",
+            f"{camera.width}x{camera.height}{by}",
         )
     return ()
 
@@ -167,7 +170,19 @@ def _is_error(pose: np.ndarray | FrameError) -> bool:
     return isinstance(pose, FrameError)
 
 
-def _check_aspect(recorded: RecordedFrame, color: np.ndarray, width: int, height: int) -> None:
+def _check_size(
+    recorded: RecordedFrame, color: np.ndarray, camera: Camera, own: ColorCamera | None
+) -> None:
+    """Colour of another size: of its own camera's, or of the same view as depth."""
+    width, height = camera.width, camera.height
+    if own is not None and own.width is not None:
+        if color.shape[:2] != (own.height, own.width):
+            raise FrameError(
+                f"{recorded.color} is {color.shape[1]}x{color.shape[0]}, the colour camera's "
+                f"images are {own.width}x{own.height}",
+                "drop the frame",
+            )
+        return
     ratio = color.shape[1] / color.shape[0] / (width / height)
     if abs(ratio - 1) > _ASPECT_TOLERANCE:
         raise FrameError(

@@ -15,7 +15,7 @@ from .recording import Intrinsics, RecordedFrame, Recording, unit_gravity
 _FILE = re.compile(r"(frame-\d+)\.(color\.jpg|color\.png|depth\.png|pose\.txt)$")
 _INTRINSICS, _GRAVITY = "camera-intrinsics.txt", "gravity-direction.txt"
 _MILLIMETRES = 1000.0
-_COLOR_CAMERA = ColorCamera(f=526.9, cx=323.0, cy=238.3, x_m=-0.0321)
+_COLOR_CAMERA = ColorCamera(fx=526.9, fy=526.9, cx=323.0, cy=238.3, x_m=-0.0321)
 """7-Scenes leaves colour and depth of its Kinect unregistered. Fitted to the depth edges and image
 gradients of 25 kitchen frames; as recorded, a cup's colour lies 20-38 pixels off its depth."""
 
