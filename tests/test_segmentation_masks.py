@@ -1,8 +1,7 @@
-"""Sources of masks: files, the simulated segmenter, and what a user writes to get them."""
+"""Masks from files, and what a user writes to get a source of masks."""
 
 from __future__ import annotations
 
-import itertools
 import json
 
 import cv2
@@ -11,22 +10,9 @@ import pytest
 
 from isr_jax.classes import class_named
 from isr_jax.errors import FrameError, SegmenterError
-from isr_jax.segmentation import (
-    LEVELS,
-    FileMasks,
-    Segmenter,
-    SimulatedSegmenter,
-    open_segmenter,
-)
-from isr_jax.types import Camera, Frame, PanopticFrame
+from isr_jax.segmentation import FileMasks, Segmenter, open_segmenter
 
-SHAPE = (240, 320)
-CAMERA = Camera(290.0, 290.0, 160.0, 120.0, SHAPE[1], SHAPE[0])
-
-
-def frame(number: int = 0, shape=SHAPE) -> Frame:
-    color, depth = np.zeros((*shape, 3), np.uint8), np.ones(shape, np.float32)
-    return Frame(number, f"{number:06d}", color, depth, np.eye(4), CAMERA)
+from .crowded_masks import SHAPE, frame
 
 
 def write_masks(folder, frames: dict[str, np.ndarray], classes_of: dict[int, int], categories):
@@ -125,122 +111,6 @@ def test_bad_mask_files_say_what_is_wrong(tmp_path):
     write_masks(tmp_path, {}, {}, [{"id": 1, "name": "tabel"}])
     with pytest.raises(SegmenterError, match=r"tabel(.|\n)*table"):
         FileMasks(tmp_path)
-
-
-class Truth:
-    """True masks of a room that moves by a pixel in four frames; things pass the image's edge."""
-
-    def read(self, frame: Frame) -> tuple[PanopticFrame, np.ndarray]:
-        ids = np.roll(room_ids(), frame.index // 4, axis=1)
-        values = np.array([0, *NAMES])
-        mask = np.searchsorted(np.sort(values), ids)
-        order = np.sort(values)
-        class_id = [class_named(NAMES[int(i)]).id if i else 0 for i in order]
-        score = np.ones(len(order), np.float32)
-        return PanopticFrame(mask.astype(np.int32), np.array(class_id, np.int32), score), order
-
-    def content_hash(self) -> str:
-        return "truth"
-
-
-LAYOUT = [class_named("floor").id, class_named("wall").id]
-
-
-def measure(level: str, frames: int) -> dict[str, float]:
-    """The rates that masks of ``level`` have against the truth."""
-    segmenter, truth = SimulatedSegmenter(Truth(), level), Truth()
-    hits = right = things = false = 0
-    ious, kept, layout = [], 0, 0
-    for k in range(frames):
-        true, _ = truth.read(frame(k))
-        found = segmenter(frame(k))
-        pairs = np.zeros((len(true.class_id), len(found.class_id)))
-        np.add.at(pairs, (true.mask.ravel(), found.mask.ravel()), 1)
-        union = pairs.sum(1, keepdims=True) + pairs.sum(0, keepdims=True) - pairs
-        iou = pairs / np.maximum(union, 1)
-        rows = [r for r in range(1, len(true.class_id)) if true.class_id[r] not in LAYOUT]
-        columns = [c for c in range(1, len(found.class_id)) if found.class_id[c] not in LAYOUT]
-        iou = iou[np.ix_(rows, columns)]
-        things += len(rows)
-        for i, row in enumerate(rows):
-            if iou.shape[1] and iou[i].max() > 0.5:
-                hits += 1
-                ious.append(iou[i].max())
-                right += found.class_id[columns[int(iou[i].argmax())]] == true.class_id[row]
-        false += np.count_nonzero(iou.max(0, initial=0) <= 0.5)
-        is_layout = np.isin(true.class_id[true.mask], LAYOUT)
-        layout += np.count_nonzero(is_layout)
-        same = found.class_id[found.mask] == true.class_id[true.mask]
-        kept += np.count_nonzero(is_layout & same)
-    return {
-        "recall": hits / things,
-        "right_class": right / hits,
-        "mean_iou": float(np.mean(ious)),
-        "false_masks": false / frames,
-        "layout_recall": kept / layout,
-    }
-
-
-@pytest.mark.parametrize("level", ["strong", "medium", "weak"])
-def test_simulated_masks_have_the_stated_rates(level):
-    stated = SimulatedSegmenter(Truth(), level).rates()
-    found = measure(level, 90)
-    # 540 things in 90 frames, of which about 540 / 10 are independent in time.
-    assert found["recall"] == pytest.approx(stated.recall, abs=0.08)
-    assert found["right_class"] == pytest.approx(stated.right_class, abs=0.12)
-    assert found["mean_iou"] == pytest.approx(stated.mean_iou, abs=0.03)
-    assert found["false_masks"] == pytest.approx(stated.false_masks, abs=0.2)
-    assert found["layout_recall"] == pytest.approx(stated.layout_recall, abs=0.03)
-
-
-def seen_ids(panoptic: PanopticFrame, k: int) -> set[int]:
-    """True things that a mask of IoU > 0.5 covers."""
-    true, ids = Truth().read(frame(k))
-    found = set()
-    for row in range(1, len(ids)):
-        pixels = true.mask == row
-        for other in np.unique(panoptic.mask[pixels]):
-            both = np.count_nonzero(pixels & (panoptic.mask == other))
-            union = np.count_nonzero(pixels | (panoptic.mask == other))
-            if other and both > 0.5 * union and true.class_id[row] not in LAYOUT:
-                found.add(int(ids[row]))
-    return found
-
-
-def test_misses_last_and_small_things_fall_first():
-    segmenter = SimulatedSegmenter(Truth(), "medium", seed=2)
-    seen = [seen_ids(segmenter(frame(k)), k) for k in range(80)]
-    changes = np.mean([len(a ^ b) / 6 for a, b in itertools.pairwise(seen)])
-    assert changes < 0.15  # independent frames at recall 0.5 would give up to 0.5
-    assert changes > 0
-    share = {i: np.mean([i in s for s in seen]) for i in (70000, 303)}
-    assert share[70000] > share[303] + 0.2
-
-
-def test_simulated_masks_are_repeatable_and_rows_change():
-    a, b = (SimulatedSegmenter(Truth(), "strong", seed=5)(frame(3)) for _ in range(2))
-    assert np.array_equal(a.mask, b.mask) and np.array_equal(a.class_id, b.class_id)
-    other = SimulatedSegmenter(Truth(), "strong", seed=6)
-    assert not np.array_equal(a.mask, other(frame(3)).mask)
-    perfect = SimulatedSegmenter(Truth(), "perfect")
-    rows = {int(np.flatnonzero(perfect(frame(k)).class_id == LAYOUT[0])[0]) for k in range(8)}
-    assert len(rows) > 1
-    assert perfect.rates() is None
-
-
-def test_perfect_masks_are_the_truth():
-    true, _ = Truth().read(frame(9))
-    found = SimulatedSegmenter(Truth(), "perfect")(frame(9))
-    assert np.array_equal(found.class_id[found.mask], true.class_id[true.mask])
-    pairs = np.unique(np.stack([true.mask.ravel(), found.mask.ravel()]), axis=1)
-    assert pairs.shape[1] == len(np.unique(true.mask)), "one to one"
-
-
-def test_simulated_hash_names_level_and_seed():
-    hashes = {SimulatedSegmenter(Truth(), level).content_hash() for level in LEVELS}
-    hashes.add(SimulatedSegmenter(Truth(), "weak", seed=1).content_hash())
-    assert len(hashes) == len(LEVELS) + 1
-    assert "75%" in SimulatedSegmenter(Truth(), "strong").describe()
 
 
 def test_open_segmenter(masks_dir, tmp_path_factory):

@@ -8,9 +8,11 @@ from ..config import SegmentationSettings
 from ..errors import SegmenterError
 from .boxes_semantics import BoxesAndSemantics
 from .file_masks import FileMasks
+from .noise_rates import LEVELS
 from .onnx_model import OnnxModel
 from .segmenter import Segmenter
-from .simulated import LEVELS, SimulatedSegmenter
+from .simulated import SimulatedSegmenter
+from .true_views import read_true_views
 
 _ALTERNATIVES = (
     "use a folder with panoptic.json (or masks:FOLDER), boxes.onnx+semantics.onnx, or, where the "
@@ -40,7 +42,8 @@ def open_segmenter(
     sequence_dir, settings = Path(sequence_dir), settings or SegmentationSettings()
     head, _, rest = spec.partition(":")
     if head == "simulated":
-        return SimulatedSegmenter(FileMasks(sequence_dir), rest or "strong", seed=seed)
+        views = read_true_views(sequence_dir / "truth" / "views.json")
+        return SimulatedSegmenter(FileMasks(sequence_dir), rest or "strong", seed=seed, views=views)
     if spec.endswith(".onnx"):
         return _from_models(spec, settings, threads)
     if head == "masks":
