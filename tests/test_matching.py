@@ -432,3 +432,46 @@ def test_the_best_models_come_in_every_upright_turn():
         for model in first:
             assert {0, 1, 2, 3} <= set(turns[models == model].tolist())
         assert np.sum(ours) <= 3 + 4 * 2
+
+
+def mounted(cad_id: str, mount: str, size=(0.2, 0.2, 0.3)) -> CadModel:
+    return dataclasses.replace(block_model(cad_id, size), mount=mount)
+
+
+LAMPS = (
+    mounted("lamp/desk", "surface"),
+    mounted("lamp/floor", "floor", (0.4, 0.4, 1.5)),
+    mounted("lamp/wall", "wall"),
+)
+OVENS = (mounted("oven/free", "floor"), mounted("oven/built_in", "opening"))
+
+
+@pytest.mark.parametrize(
+    ("models", "class_name", "attachment", "carried", "expected"),
+    [
+        (LAMPS, "lamp", "none", True, {"lamp/desk", "lamp/floor"}),
+        (LAMPS, "lamp", "none", False, {"lamp/desk", "lamp/floor"}),
+        (LAMPS, "lamp", "leaning", False, {"lamp/desk", "lamp/floor"}),
+        (LAMPS, "lamp", "wall", False, {"lamp/wall"}),
+        (LAMPS, "lamp", "hanging", False, {"lamp/desk", "lamp/floor", "lamp/wall"}),
+        (LAMPS[:2], "lamp", "wall", False, {"lamp/desk", "lamp/floor"}),  # none hangs
+        (LAMPS[2:], "lamp", "none", True, set()),  # nothing stands
+        (OVENS, "oven", "none", True, {"oven/free"}),
+        (OVENS, "oven", "none", False, {"oven/free", "oven/built_in"}),
+        # classes that hang by themselves are as they were
+        ((mounted("wall_cabinet/a", "wall"),), "wall_cabinet", "none", True, {"wall_cabinet/a"}),
+        ((mounted("wall_cabinet/a", "wall"),), "wall_cabinet", "wall", False, {"wall_cabinet/a"}),
+        ((mounted("door/a", "opening"),), "door", "wall", False, {"door/a"}),
+    ],
+)
+def test_models_are_tried_where_they_can_be_mounted(
+    models, class_name, attachment, carried, expected
+):
+    table = box_entity(2, "table", (0, 0, 0.4), (1.2, 0.8, 0.8))
+    thing = box_entity(3, class_name, (0, 0, 0.95), (0.2, 0.2, 0.3))
+    scene = scene_of(floor_entity(1), table, thing)
+    graph = graph_of(scene, {2: (1, 0)} if carried else {})
+    graph = dataclasses.replace(graph, attachment=("none", "none", attachment))
+    library = library_of(*models)
+    found = match([scene], [graph], library, DEFAULT)[0]
+    assert {library[int(m)].id for m in found.model} == expected

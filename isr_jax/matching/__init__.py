@@ -25,4 +25,4 @@ __all__ = [
     "pair_terms",
 ]
 
-VERSION: int = 3
+VERSION: int = 4

@@ -22,6 +22,7 @@ from .features import (
     entity_rows,
     model_features,
 )
+from .mounts import mountable
 from .scoring import Query, all_errors, blocks, stack, take, unmatched_price
 from .selection import Picked, pick_best
 from .walls import wall_normal
@@ -38,9 +39,10 @@ def match(
     """The models of smallest matching distance D for every functional entity of every scene.
 
     Layout, classes without function and classes without models get no rows; nor does an entity
-    that every model fails (a plane that carries a child finds no partner, or
-    ``unmatched_cost`` is inf and a plane is left over). At most 8 planes of an entity count,
-    those that carry children first, then by area; at most 16 of a model, supporting ones first.
+    that no model can hold on to where it is (`mounts.mountable`), or that every model fails (a
+    plane that carries a child finds no partner, or ``unmatched_cost`` is inf and a plane is left
+    over). At most 8 planes of an entity count, those that carry children first, then by area; at
+    most 16 of a model, supporting ones first.
 
     Args:
         up_cosine: A plane is supporting if its normal's z is at least this.
@@ -68,8 +70,11 @@ def _queries(
     found = []
     for number, (scene, graph) in enumerate(zip(scenes, graphs, strict=True)):
         for position, entity in enumerate(scene):
+            if entity.is_layout or not class_named(entity.class_name).functional:
+                continue
             models = library.matching_class(entity.class_name)
-            if entity.is_layout or not class_named(entity.class_name).functional or not len(models):
+            models = mountable(models, library, graph, position)
+            if not len(models):
                 continue
             rows = entity_rows(entity.planes, carrying_planes(graph, position))
             wall = wall_normal(scene, entity, settings.wall_distance_m)

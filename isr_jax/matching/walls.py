@@ -25,7 +25,9 @@ def wall_normal(scene: Entities, entity: Entity, distance_m: float) -> Float[np.
             continue
         normal = np.asarray(wall.planes.normal[0])
         gap = float(np.abs((corners @ normal + wall.planes.offset[0]).min()))
-        if gap <= nearest and _beside(corners, normal, np.asarray(wall.planes.corners[0])):
+        # With openings, a wall has several rectangles in one plane.
+        extent = np.asarray(wall.planes.corners)[np.asarray(wall.planes.valid)].reshape(-1, 3)
+        if gap <= nearest and _beside(corners, normal, extent):
             nearest, best = gap, normal
     return best.astype(np.float32)
 

@@ -36,11 +36,13 @@ def layout_planes(entities: Entities) -> list[LayoutPlane]:
     """The planes of all layout entities."""
     found = []
     for entity in entities:
-        if entity.is_layout:
-            corners = np.asarray(entity.planes.corners[0], np.float64)
-            normal = np.asarray(entity.planes.normal[0], np.float64)
+        if not entity.is_layout:
+            continue
+        for row in np.flatnonzero(np.asarray(entity.planes.valid)):
+            corners = np.asarray(entity.planes.corners[row], np.float64)
+            normal = np.asarray(entity.planes.normal[row], np.float64)
             sides = np.stack([corners[1] - corners[0], corners[3] - corners[0]])
-            offset = float(entity.planes.offset[0])
+            offset = float(entity.planes.offset[row])
             found.append(LayoutPlane(entity.name, normal, offset, corners[0], sides))
     return found
 
