@@ -18,8 +18,9 @@ from isr_jax import simulation
 from isr_jax.config import ExportSettings
 from isr_jax.errors import OutputError, SceneError
 from isr_jax.export import export_scene
-from isr_jax.export.bodies import scene_bodies, slab_of, stretched
+from isr_jax.export.bodies import scene_bodies, stretched
 from isr_jax.export.glb import GlbFile, linear_of_srgb
+from isr_jax.export.slabs import slabs_of
 from isr_jax.export.verify import verify_exports
 from isr_jax.geometry import box_corners
 from isr_jax.robot_model import RobotModel, Texture, Visual, box_between, solid_properties
@@ -349,7 +350,7 @@ def test_the_floor_reaches_under_what_stands_beyond_the_part_that_was_seen():
     """Half a floor was seen; a thing past its end must not fall through."""
     floor = floor_entity(1, (1.0, 1.0))
     far = box_entity(2, "box", (6.0, -3.0, 0.2), (0.4, 0.4, 0.4), 0.3)
-    slab = slab_of(floor, ExportSettings(), np.asarray(box_corners(far.box)))
+    (slab,) = slabs_of(floor, ExportSettings(), np.asarray(box_corners(far.box)))
     local = np.linalg.inv(slab.T_world_slab) @ np.append(far.box.center, 1.0)
     assert np.all(np.abs(local[:2]) < slab.size[:2] / 2 - 0.2)
     top = slab.T_world_slab @ [0, 0, slab.size[2] / 2, 1]

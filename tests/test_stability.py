@@ -13,11 +13,19 @@ from rich.console import Console
 
 from isr_jax.config import ExportSettings, StabilitySettings
 from isr_jax.errors import SceneError
+from isr_jax.evaluation.standing import read_standing
 from isr_jax.export import export_scene
 from isr_jax.scene_file import read_scene, write_scene
 from isr_jax.simulation import Trajectory
 from isr_jax.stability import settle
-from isr_jax.stability.measures import body_motions, geodesic_angle, tilt_angle, variant_rates
+from isr_jax.stability.measures import (
+    body_motions,
+    geodesic_angle,
+    joint_motions,
+    rates,
+    tilt_angle,
+    variant_rates,
+)
 from isr_jax.types import UNSUPPORTED
 
 from .physics_scenes import cubes_scene, furnished_scene
@@ -189,3 +197,92 @@ def test_variants_follow_their_own_criteria():
     assert variant_rates(path_of(still, quiet), {"j": 1.0}, 3).phyrecon == 0.25
     (motion,) = body_motions(path_of(jitter, quiet), np.full(3, -1), np.full(3, 1), (1.0, 5.0))
     assert motion.drift_end_m < 1e-9 and np.isclose(motion.path_m, 0.002 * 250)
+
+
+def straight(way_m: float, axis: int = 0) -> np.ndarray:
+    """A body that moves evenly along an axis over 5 s."""
+    position = np.zeros((251, 3))
+    position[:, axis] = np.linspace(0, way_m, 251)
+    return position
+
+
+@pytest.mark.parametrize(
+    ("way_m", "expected"),
+    [
+        (0.009, (1.0, 1.0, 1.0)),
+        (0.03, (0.0, 1.0, 1.0)),
+        (0.0501, (0.0, 0.0, 1.0)),
+        (0.3, (0.0, 0.0, 0.0)),
+    ],
+)
+def test_rates_of_a_body_that_drifts_by_hand(way_m, expected):
+    room = np.full(3, -1.0), np.full(3, 1.0)
+    moved = body_motions(path_of(straight(way_m), np.zeros(251)), *room, (1.0, 5.0))
+    (motion,) = moved
+    # evenly over 5 s: a fifth of the way after the first second
+    assert motion.drift_early_m == pytest.approx(way_m / 5)
+    assert motion.drift_end_m == motion.path_m == pytest.approx(way_m)
+    assert motion.drop_end_m == 0.0 and motion.turn_end_rad == 0.0
+    found = rates(moved, 0)
+    assert found is not None
+    assert (found.within_1_cm, found.within_5_cm, found.within_20_cm) == expected
+    # an entity that never became a body halves every share
+    halved = rates(moved, 1)
+    assert halved is not None and halved.total == 2
+    assert halved.within_20_cm == expected[2] / 2
+
+
+def test_who_left_the_room_is_within_no_limit():
+    # out by 2 m and back again: no drift at the end
+    position = straight(0.0)
+    position[100, 0] = 2.0
+    room = np.full(3, -1.0), np.full(3, 1.0)
+    moved = body_motions(path_of(position, np.zeros(251)), *room, (1.0, 5.0))
+    found = rates(moved, 0)
+    assert moved[0].drift_end_m == 0.0 and moved[0].left_room
+    assert found is not None and found.within_20_cm == 0.0
+    assert rates((), 0) is None
+
+
+def test_variants_forgive_what_isr_stab_counts():
+    """3 cm in the first second, then rest: PhyRecon and MolmoSpaces call it stable."""
+    position = straight(0.0)
+    position[:50, 0] = np.linspace(0, 0.03, 50)
+    position[50:, 0] = 0.03
+    path = path_of(position, np.zeros(251))
+    variants = variant_rates(path, {"j": 1.0}, 0)
+    assert variants.phyrecon == variants.molmospaces_bodies == 1.0
+    room = np.full(3, -1.0), np.full(3, 1.0)
+    found = rates(body_motions(path, *room, (1.0, 5.0)), 0)
+    assert found is not None and (found.within_1_cm, found.within_5_cm) == (0.0, 1.0)
+    # a slide of 6 cm between 1 s and 4 s fails MolmoSpaces, but not PhyRecon, which sees drops
+    slide = variant_rates(path_of(straight(0.1), np.zeros(251)), {"j": 1.0}, 0)
+    assert (slide.phyrecon, slide.molmospaces_bodies) == (1.0, 0.0)
+    # 8 cm down in 5 s are 5.3 cm after 3.33 s; 7 cm are 4.7 cm
+    falls = [
+        variant_rates(path_of(straight(-d, 2), np.zeros(251)), {"j": 1.0}, 0) for d in (0.08, 0.07)
+    ]
+    assert [f.phyrecon for f in falls] == [0.0, 1.0]
+
+
+def test_joints_stray_by_their_farthest():
+    joint = np.zeros(251)
+    joint[120] = -0.3  # there and back
+    (motion,) = joint_motions(path_of(straight(0.0), joint), {"j": 1.5})
+    assert motion.strayed == pytest.approx(0.3) and motion.share_of_range == pytest.approx(0.2)
+    (endless,) = joint_motions(path_of(straight(0.0), joint), {"j": 0.0})
+    assert endless.share_of_range is None
+
+
+def test_the_verdict_stands_beside_the_evaluation(still):
+    report = still[1]
+    report.write(still[0] / "stability.json")
+    found = read_standing(still[0])
+    assert found is not None and found.exported.bodies == 2 and found.freed.bodies == 4
+    assert found.exported.within_1_cm == found.freed.within_1_cm == 1.0
+    assert found.exported.phyrecon == found.exported.molmospaces_bodies == 1.0
+    assert found.reset_survival == 1.0 and (found.failed, found.fixed) == (0, 2)
+    assert found.alignment_error_mean_m == pytest.approx(0.012)
+    assert found.exported.drift_max_m == max(m.drift_end_m for m in report.exported.bodies)
+    assert found.exported.penetration_max_m == report.exported.penetration_max_m
+    assert dict(found.headline())["  alignment error beside it, mean"] == "12.0 mm"

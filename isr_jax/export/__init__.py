@@ -2,6 +2,6 @@
 
 from .stage import export_scene
 
-VERSION: int = 2
+VERSION: int = 3
 
 __all__ = ["VERSION", "export_scene"]

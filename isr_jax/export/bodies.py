@@ -14,27 +14,12 @@ from ..geometry import box_corners
 from ..robot_model import Link, RobotModel, link_transforms, scaled
 from ..robot_model.naming import named_in_scene
 from ..types import ContactGraph, Entities, Entity, Mesh, Placement
-from .convex import Hull, box_hull, hull_of_mesh
+from .convex import Hull, hull_of_mesh
 from .scan_bodies import Niche, recentred, scan_robot
-
-_LEVEL_COSINE = 0.98
-"""A floor this level is made exactly level: the world frame says that it is."""
+from .slabs import Slab, slabs_of
 
 _NICHE_MARGIN_M = 0.01
 """Around what a scan carries, half of it for the thickness of flat parts."""
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Slab:
-    """A piece of layout: a box behind its plane, its +z face in the plane."""
-
-    name: str
-    class_name: str
-    T_world_slab: np.ndarray
-    """Centre of the box; z = the plane's normal."""
-    size: np.ndarray
-    scan: Mesh
-    """World frame."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -52,38 +37,6 @@ class Body:
     """In the root's frame, at full resolution; None for a CAD model."""
 
 
-def slab_of(entity: Entity, settings: ExportSettings, above: np.ndarray) -> Slab:
-    """The slab behind ``planes[0]``; a floor reaches past what was seen of it, and under things.
-
-    Args:
-        entity: Of layout.
-        settings: Thickness and margin.
-        above: [points, 3] corners of all things: the floor is rarely seen under furniture.
-    """
-    planes = entity.planes
-    normal = np.asarray(planes.normal[0], np.float64)
-    corners = np.asarray(planes.corners[0], np.float64)
-    center, level = corners.mean(0), abs(normal[2]) > _LEVEL_COSINE
-    along = corners[1] - corners[0]
-    if level:
-        normal, along = np.array([0, 0, np.sign(normal[2])]), along * [1, 1, 0]
-    x = along / np.linalg.norm(along)
-    x = x - normal * (normal @ x)
-    x /= np.linalg.norm(x)
-    across = np.cross(normal, x)
-    is_floor = entity.class_name == "floor"
-    inside = np.concatenate([corners, above]) if is_floor else corners
-    axes = np.stack([x, across], 1)
-    low, high = (inside @ axes).min(0), (inside @ axes).max(0)
-    margin_m = settings.floor_margin_m if is_floor else 0.0
-    size = np.array([*(high - low + 2 * margin_m), settings.layout_thickness_m])
-    T = np.eye(4)
-    T[:3, :3] = np.stack([x, across, normal], 1)
-    face = axes @ ((low + high) / 2) + normal * (normal @ center)
-    T[:3, 3] = face - normal * size[2] / 2
-    return Slab(entity.name, entity.class_name, T, size, entity.mesh)
-
-
 def scene_bodies(
     entities: Entities,
     graph: ContactGraph,
@@ -92,15 +45,30 @@ def scene_bodies(
     settings: ExportSettings,
 ) -> tuple[tuple[Slab, ...], tuple[Body, ...]]:
     """Slabs and bodies of a scene, as placed; nothing is moved yet."""
-    things = [np.asarray(box_corners(e.box)) for e in entities if not e.is_layout]
-    above = np.concatenate([np.zeros((0, 3)), *things])
-    slabs = tuple(slab_of(e, settings, above) for e in entities if e.is_layout)
     bodies = tuple(
         _body(i, entities, graph, placements[i], library, settings)
         for i in range(len(entities))
         if not entities[i].is_layout
     )
-    return slabs, bodies
+    things = [np.asarray(box_corners(e.box)) for e in entities if not e.is_layout]
+    above = np.concatenate([np.zeros((0, 3)), *things])
+    fillings = [_vertices(b) for b in bodies if _fills_opening(entities[b.position])]
+    layout = [entity for entity in entities if entity.is_layout]
+    return tuple(s for e in layout for s in slabs_of(e, settings, above, fillings)), bodies
+
+
+def _fills_opening(entity: Entity) -> bool:
+    return class_named(entity.class_name).mount == "opening"
+
+
+def _vertices(body: Body) -> np.ndarray:
+    """Of all visuals, world frame, joints at zero."""
+    poses = link_transforms(body.robot)
+    moved = [np.zeros((0, 3))]
+    for link in body.robot.links:
+        T = body.T_world_root @ poses[link.name]
+        moved += [v.mesh.vertices @ T[:3, :3].T + T[:3, 3] for v in link.visuals]
+    return np.concatenate(moved)
 
 
 def _body(
@@ -217,7 +185,3 @@ def body_hulls(body: Body) -> list[Hull]:
         for link in body.robot.links
         for mesh in link.hulls
     ]
-
-
-def slab_hull(slab: Slab) -> Hull:
-    return box_hull(slab.size, slab.T_world_slab)

@@ -9,6 +9,7 @@ never miss one.
 from __future__ import annotations
 
 import dataclasses
+import functools
 
 import numpy as np
 from jaxtyping import Float
@@ -35,11 +36,11 @@ class Hull:
     def moved(self, T: np.ndarray) -> Hull:
         return Hull(self.vertices @ T[:3, :3].T + T[:3, 3], self.normals @ T[:3, :3].T)
 
-    @property
+    @functools.cached_property
     def low(self) -> np.ndarray:
         return self.vertices.min(0)
 
-    @property
+    @functools.cached_property
     def high(self) -> np.ndarray:
         return self.vertices.max(0)
 

@@ -11,8 +11,9 @@ from ..robot_model import link_transforms
 from ..robot_model.mesh_files import write_file
 from ..scene_file import ROOM_NAME
 from ..types import Mesh
-from .bodies import Body, Slab
+from .bodies import Body
 from .glb import GlbFile
+from .slabs import Slab
 
 T_GLTF_WORLD = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], np.float64)
 _WHITE = (1.0, 1.0, 1.0, 1.0)

@@ -24,9 +24,10 @@ from ..robot_model.mjcf import (
     spec_xml,
 )
 from ..types import Mesh
-from .bodies import Body, Slab
+from .bodies import Body
 from .scan_bodies import mean_color
 from .simplify import simplified
+from .slabs import Slab
 
 RENDER_WIDTH, RENDER_HEIGHT = 1280, 960
 

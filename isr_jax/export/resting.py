@@ -16,7 +16,7 @@ from ..classes import class_named
 from ..config import ExportSettings
 from ..robot_model import RobotModel
 from ..types import ContactGraph, Entities, Mesh
-from .bodies import Body, Slab, body_hulls, slab_hull
+from .bodies import Body, body_hulls
 from .convex import (
     Hull,
     boxes_apart,
@@ -28,6 +28,7 @@ from .convex import (
     vertical_gap,
 )
 from .scan_bodies import solid_link
+from .slabs import Slab, slab_hull
 
 _TOUCH_M = 1e-5
 """Overlaps below this are contact."""
@@ -55,7 +56,9 @@ class _Arrangement:
         self.entities, self.graph = entities, graph
         rows = {e.name: i for i, e in enumerate(entities)}
         self.bodies: dict[int, Body] = {b.position: b for b in bodies}
-        self.hulls: dict[int, list[Hull]] = {rows[s.name]: [slab_hull(s)] for s in slabs}
+        self.hulls: dict[int, list[Hull]] = {}
+        for slab in slabs:
+            self.hulls.setdefault(rows[slab.entity_name], []).append(slab_hull(slab))
         self.hulls |= {b.position: body_hulls(b) for b in bodies}
         self.start = {i: b.T_world_root[:3, 3].copy() for i, b in self.bodies.items()}
 
@@ -90,12 +93,21 @@ class _Arrangement:
         found = [
             (penetration_depth(a, b), k, a, b)
             for k in others
-            for a in self.hulls[i]
-            for b in self.hulls[k]
-            if not boxes_apart(a, b)
+            for a, b in _near_pairs(self.hulls[i], self.hulls[k])
         ]
         deep = [f for f in found if f[0] > _TOUCH_M]
         return sorted(deep, key=lambda f: -f[0])
+
+
+def _near_pairs(first: list[Hull], second: list[Hull]) -> list[tuple[Hull, Hull]]:
+    """Pairs whose axis-aligned boxes meet."""
+    low_a, high_a, low_b, high_b = (
+        np.array([getattr(hull, side) for hull in hulls])
+        for hulls in (first, second)
+        for side in ("low", "high")
+    )
+    near = np.all((low_a[:, None] <= high_b) & (low_b <= high_a[:, None]), axis=-1)
+    return [(first[a], second[b]) for a, b in np.argwhere(near)]
 
 
 def settle_down(

@@ -11,9 +11,10 @@ from ..robot_model import Joint, Texture, joint_element, robot_elements, xml_byt
 from ..robot_model.mesh_files import MeshFiles, write_text
 from ..scene_file import ROOM_NAME
 from ..types import Mesh
-from .bodies import Body, Slab
+from .bodies import Body
 from .mjcf_scene import front_sheet
 from .scan_bodies import mean_color
+from .slabs import Slab
 
 PACKAGE = "scene_description"
 WORLD = "world"

@@ -16,8 +16,9 @@ import yourdfpy
 from ..errors import OutputError
 from ..robot_model import link_transforms
 from ..scene_file import ROOM_NAME, read_scene
-from .bodies import Body, Slab
+from .bodies import Body
 from .glb_scene import T_GLTF_WORLD
+from .slabs import Slab
 from .urdf_scene import WORLD
 
 TOLERANCE = 1e-5

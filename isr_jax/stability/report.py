@@ -189,6 +189,8 @@ _ROWS = (
     ("contacts at t = 0", lambda s: str(s.contacts)),
     ("largest drift, early", lambda s: f"{_largest(s, 'drift_early_m')} ({s.early_s:g} s)"),
     ("largest drift, end", lambda s: f"{_largest(s, 'drift_end_m')} ({s.end_s:g} s)"),
+    ("largest turn, early", lambda s: _turn(s, "turn_early_rad")),
+    ("largest turn, end", lambda s: _turn(s, "turn_end_rad")),
     ("within 1 / 5 / 20 cm", lambda s: _rates(s.rates)),
     ("longest path", lambda s: _largest(s, "path_m")),
     ("left the room", lambda s: str(s.left_room)),
@@ -235,6 +237,11 @@ def _rates(rates: Rates | None) -> str:
 def _largest(report: SetReport, field: str) -> str:
     worst = max(report.bodies, key=lambda m: getattr(m, field), default=None)
     return "-" if worst is None else f"{_mm(getattr(worst, field))} {worst.name}"
+
+
+def _turn(report: SetReport, field: str) -> str:
+    worst = max(report.bodies, key=lambda m: getattr(m, field), default=None)
+    return "-" if worst is None else f"{np.rad2deg(getattr(worst, field)):.2f} deg {worst.name}"
 
 
 def _joint(report: SetReport) -> str:
