@@ -18,6 +18,8 @@ from .errors import IsrError
 
 app = tyro.extras.SubcommandApp()
 Positional = tyro.conf.Positional
+_Kind = Annotated[str | None, tyro.conf.arg(metavar="KIND", help_behavior_hint="")]
+_Text = Annotated[str | None, tyro.conf.arg(metavar="FOLDER", help_behavior_hint="")]
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,8 @@ def run(
     A second run reuses what is finished; a killed one resumes.
 
     Args:
-        sequence: Folder with the frames (7-Scenes, TUM RGB-D, or rgb/ depth/ poses/).
+        sequence: Folder with the frames (7-Scenes, TUM RGB-D, SceneNN, ScanNet, or rgb/ depth/
+            poses/).
         out: Folder for the results.
         segmenter: ONNX models (a.onnx+b.onnx), masks (a folder with panoptic.json), or
             simulated:LEVEL for rendered rooms.
@@ -115,6 +118,66 @@ def run(
         )
     for table in run_tables(result):
         console.print(table)
+
+
+@app.command
+def synth(
+    out: Path,
+    seed: int = 7,
+    kind: _Kind = None,
+    library: _Text = None,
+    frames: int = 150,
+    size: str = "640x480",
+    no_noise: tyro.conf.FlagCreatePairsOff[bool] = False,
+    drift: tuple[float, float] = (0.0, 0.0),
+    jitter: tuple[float, float] = (0.0, 0.0),
+    sheet: Annotated[Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")] = None,
+) -> None:
+    """Make a furnished room that stands in MuJoCo, its RGB-D film and its truth.
+
+    Example: isr synth --seed 7 --kind kitchen --out out/room
+
+    `isr run out/room --segmenter simulated:medium --out out/scene` reconstructs it, `isr eval
+    out/scene out/room/truth` scores that. The same arguments write the same bytes; what is
+    there already is kept.
+
+    Args:
+        out: Folder for the frames; truth/ in it has instances, classes, boxes, planes, supports,
+            models, poses, joints and meshes.
+        seed: Of the room, the walk and the noise.
+        kind: kitchen, office, living, bedroom or meeting; drawn from the seed if left out.
+        library: Folder of the models that furnish it, or several joined by +; the built-in kit if
+            left out.
+        frames: Length of the walk.
+        size: Of the images, pixels.
+        no_noise: True depth, without the sensor's noise.
+        drift: Poses drift: metres after a metre of way, radians after a radian of turning.
+        jitter: Poses jitter: metres and radians, each frame by itself.
+        sheet: Picture of some frames (colour, depth, instances); OUT/sheet.png if left out.
+    """
+    from .cad import open_library
+    from .config import NoiseModel, PoseNoise
+    from .demonstration import film_room, image_size
+    from .synthetic import NO_NOISE
+    from .synthetic.contact_sheet import contact_sheet
+
+    width, height = image_size(size)
+    console, picture = Console(), sheet or out / "sheet.png"
+    with ConsoleReporter(console) as reporter:
+        film = film_room(
+            out,
+            seed=seed,
+            kind=kind,
+            frames=frames,
+            width=width,
+            height=height,
+            noise=NO_NOISE if no_noise else NoiseModel(),
+            pose_noise=PoseNoise(*drift, *jitter),
+            library=open_library(library) if library else None,
+            reporter=reporter,
+        )
+        contact_sheet(film, picture)
+    console.print(f"{frames} frames: {film}; truth: {film / 'truth'}; look at it: {picture}")
 
 
 @app.command
@@ -148,18 +211,35 @@ def settle(scene: Positional[Path], duration: float = 5.0) -> None:
 
 
 @app.command(name="eval")
-def evaluate(result: Positional[Path], truth: Positional[Path]) -> None:
-    """Score a result against the truth: panoptic quality, supports, CAD alignment.
+def evaluate(
+    result: Positional[Path],
+    truth: Positional[Path],
+    library: _Text = None,
+    truth_library: _Text = None,
+    released_counting: tyro.conf.FlagCreatePairsOff[bool] = False,
+) -> None:
+    """Score a result against the truth: map, boxes, contact graph, models, surface.
 
     Example: isr eval out/demo out/demo/sequence/truth
 
     Args:
         result: Folder that `isr run` wrote.
-        truth: Folder with a true scene.json and observed.npz.
+        truth: Folder with a true scene.json, observed.npz and meshes/.
+        library: Folder of the result's models, or several joined by +; the built-in kit if left
+            out.
+        truth_library: Folder of the models that truly stand there; the result's if left out.
+        released_counting: Also count as the released code does, for comparison only.
     """
+    from .cad import default_library, open_library
     from .evaluation import evaluate as score
 
-    report = score(result, truth)
+    report = score(
+        result,
+        truth,
+        library=open_library(library) if library else default_library(),
+        truth_library=open_library(truth_library) if truth_library else None,
+        released_counting=released_counting,
+    )
     report.write(result / "evaluation.json")
     Console().print(report.table())
 

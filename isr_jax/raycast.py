@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from .types import Array, Camera, Mesh
 
@@ -61,12 +61,24 @@ class RayScene:
         self._instance_or_none = np.append(instance, np.int32(0))
         normal = _unit_normals(self.vertices[self.faces])
         self._normal_or_none = np.append(normal, np.zeros((1, 3), np.float32), axis=0)
+        self.normals: np.ndarray = self._normal_or_none[:-1]
+        """Unit, of each of ``faces`` by its winding."""
         # Embree keeps pointers into the arrays, so they live as long as the scene does.
         self._scene = EmbreeScene()
         self._mesh = TriangleMesh(self._scene, self.vertices, self.faces)
 
     def cast(self, origins: Float[Array, "rays 3"], directions: Float[Array, "rays 3"]) -> RayHits:
         """First hit of each ray. Directions need not be unit."""
+        return self.cast_into(origins, directions)[0]
+
+    def cast_into(
+        self, origins: Float[Array, "rays 3"], directions: Float[Array, "rays 3"]
+    ) -> tuple[RayHits, Float[np.ndarray, "rays 2"]]:
+        """First hit of each ray, and where in its triangle.
+
+        Returns:
+            Hits, and the weights of the triangle's second and third corner; 0 at a miss.
+        """
         out = self._scene.run(
             np.ascontiguousarray(origins, np.float32),
             np.ascontiguousarray(directions, np.float32),
@@ -74,13 +86,30 @@ class RayScene:
             output=1,
         )
         # A miss is -1, and so reads the row that stands behind the last face.
-        triangle = np.where(out["primID"] >= 0, out["primID"], MISS)
-        return RayHits(
-            distance=np.where(triangle >= 0, out["tfar"], np.float32(0)),
+        hit = out["primID"] >= 0
+        triangle = np.where(hit, out["primID"], MISS)
+        hits = RayHits(
+            distance=np.where(hit, out["tfar"], np.float32(0)),
             triangle=triangle,
             instance=self._instance_or_none[triangle],
             normal=self._normal_or_none[triangle],
         )
+        return hits, np.stack([out["u"], out["v"]], 1) * hit[:, None]
+
+    def blocked(
+        self,
+        origins: Float[Array, "rays 3"],
+        directions: Float[Array, "rays 3"],
+        reach: float | Float[Array, " rays"],
+    ) -> Bool[np.ndarray, " rays"]:
+        """Whether something lies on each ray nearer than ``reach``, in lengths of its direction."""
+        met = self._scene.run(
+            np.ascontiguousarray(origins, np.float32),
+            np.ascontiguousarray(directions, np.float32),
+            dists=np.broadcast_to(np.float32(reach), len(directions)).astype(np.float32),
+            query="OCCLUDED",
+        )
+        return met != MISS
 
     def view(self, camera: Camera, T_world_camera: Float[Array, "4 4"]) -> View:
         """Depth, instance, triangle and normal images of a pinhole camera."""

@@ -190,7 +190,8 @@ class Entity:
     mesh: Mesh
     """World frame."""
     is_layout: bool
-    """Floor, wall or ceiling: one plane (planes[0]) with its extent, normal into the room."""
+    """Floor, wall or ceiling: planes[0] with its extent, normal into the room. A wall that is
+    known to have openings has a plane for each rectangle between them, the largest first."""
     merged_ids: tuple[int, ...] = ()
     """Other instances of the map that turned out to be parts of this one."""
 

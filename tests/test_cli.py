@@ -11,7 +11,7 @@ from isr_jax import cli
 
 from .conftest import REPOSITORY
 
-COMMANDS = ["demo", "run", "inspect", "settle", "eval", "view", "cad"]
+COMMANDS = ["demo", "run", "synth", "inspect", "settle", "eval", "view", "cad"]
 
 
 @pytest.fixture
@@ -45,6 +45,10 @@ def test_help_lists_every_command_with_an_example(isr):
         (("view", "{out}"), "scene.json"),
         (("cad", "list", "{out}"), "{out}"),
         (("inspect", "{out}"), "{out}"),
+        (("synth", "--out", "{out}/o", "--kind", "attic"), "kitchen, office, living"),
+        (("synth", "--out", "{out}/o", "--size", "640"), "640x480"),
+        (("synth", "--out", "{out}/o", "--frames", "0"), "0 frames"),
+        (("synth", "--out", "{out}/o", "--library", "/nowhere"), "/nowhere"),
     ],
 )
 def test_a_user_error_is_one_message_and_status_2(isr, arguments, says, tmp_path):
@@ -52,6 +56,21 @@ def test_a_user_error_is_one_message_and_status_2(isr, arguments, says, tmp_path
     assert status == 2, out + err
     message = err.replace("\n", "")
     assert says.format(out=tmp_path) in message and "->" in message
+
+
+def test_synth_leaves_a_folder_alone_that_holds_something_else(isr, tmp_path):
+    (tmp_path / "letters.txt").write_text("dear")
+    status, _, err = isr("synth", "--out", str(tmp_path), "--frames", "1")
+    assert status == 2 and "holds something else" in " ".join(err.split())
+    assert [p.name for p in tmp_path.iterdir()] == ["letters.txt"]
+
+
+def test_the_help_of_synth_teaches(isr):
+    status, out, _ = isr("synth", "--help")
+    assert status == 0
+    for option in ("--seed", "--kind", "--library", "--frames", "--size", "--drift", "--sheet"):
+        assert option in out
+    assert "isr eval" in " ".join(out.split()) and "truth" in out
 
 
 def test_a_process_of_its_own_ends_with_the_message_and_no_traceback(tmp_path):

@@ -12,8 +12,8 @@ from isr_jax.config import (
     PRESETS,
     MappingSettings,
     preset,
-    settings_to_dict,
     settings_from_toml,
+    settings_to_dict,
     settings_to_toml,
     with_overrides,
 )

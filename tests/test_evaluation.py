@@ -17,96 +17,18 @@ from isr_jax.evaluation import evaluate
 from isr_jax.geometry.boxes import canonical_box
 from isr_jax.scene_file import CadRecord, EntityRecord, SceneFile, write_scene
 
-from .builders import box_mesh, rotation_z
+from .builders import library_of, parts_model, rotation_z
+from .evaluation_folders import SPECS, Folders, make_folders, measure_surfaces_fast
 
-SPECS = (
-    # id, name, class, centre, size, yaw, parent
-    (1, "floor_1", "floor", (0, 0, -0.01), (3.0, 3.0, 0.02), 0.0, "room"),
-    (2, "wall_1", "wall", (0, 1.53, 1.0), (3.0, 0.02, 2.0), 0.0, "room"),
-    (3, "wall_2", "wall", (1.53, 0, 1.0), (0.02, 3.0, 2.0), 0.0, "room"),
-    (4, "table_1", "table", (0, 0, 0.36), (1.2, 0.8, 0.72), 0.2, "floor_1"),
-    (5, "cup_1", "cup", (0.2, 0.1, 0.78), (0.1, 0.1, 0.12), 0.2, "table_1"),
-    (6, "cup_2", "cup", (-0.3, 0.1, 0.78), (0.1, 0.1, 0.12), 0.5, "table_1"),
-    (7, "chair_1", "chair", (-1.0, -0.8, 0.45), (0.5, 0.5, 0.9), -0.3, "floor_1"),
-    (8, "wall_cabinet_1", "wall_cabinet", (0.5, 1.3, 1.6), (0.8, 0.35, 0.7), 0.0, None),
-)
-
-
-def record(id, name, class_name, center, size, yaw, parent) -> EntityRecord:
-    layout = class_named(class_name).kind == "layout"
-    T = np.eye(4, dtype=np.float32)
-    T[:3, :3], T[:3, 3] = rotation_z(yaw), center
-    return EntityRecord(
-        id=id,
-        name=name,
-        class_name=class_name,
-        type="layout" if layout else "rigid",
-        box=canonical_box(np.array(center), yaw, np.array(size)),
-        planes=(),
-        parent=parent,
-        attachment="wall" if parent is None else "none",
-        support_plane=None,
-        mesh=None,
-        cad=None if layout else CadRecord(f"{class_name}/a", T, np.ones(3, np.float32)),
-    )
-
-
-@dataclasses.dataclass
-class Folders:
-    """A truth folder, and a result that a test may spoil before it is written."""
-
-    root: Path
-    entities: list[EntityRecord]
-    points: np.ndarray
-    instance: np.ndarray
-    class_id: np.ndarray
-    T_world_dataset: np.ndarray = dataclasses.field(default_factory=lambda: np.eye(4))
-
-    def write(self) -> Path:
-        out = self.root / "result"
-        (out / "map").mkdir(parents=True, exist_ok=True)
-        write_scene(SceneFile(tuple(self.entities), self.T_world_dataset), out / "scene.json")
-        columns = [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1")]
-        table = np.zeros(len(self.points), [*columns, ("instance", "<i4"), ("class", "<i4")])
-        for k, axis in enumerate("xyz"):
-            table[axis] = self.points[:, k]
-        table["instance"], table["class"] = self.instance, self.class_id
-        kinds = {"<f4": "float", "|u1": "uchar", "<i4": "int"}
-        lines = ["ply", "format binary_little_endian 1.0", f"element vertex {len(table)}"]
-        lines += [f"property {kinds[kind]} {name}" for name, kind in table.dtype.descr]
-        lines += ["element face 0", "property list uchar int vertex_indices", "end_header"]
-        (out / "map/panoptic.ply").write_bytes("\n".join(lines).encode() + b"\n" + table.tobytes())
-        return out
-
-    def report(self, **options):
-        return evaluate(self.write(), self.root / "truth", **options)
-
-    def edit(self, name: str, **changes) -> None:
-        position = next(i for i, e in enumerate(self.entities) if e.name == name)
-        self.entities[position] = dataclasses.replace(self.entities[position], **changes)
+THINGS = {"table", "cup", "chair", "wall_cabinet"}
+NAMES = {"table_1", "cup_1", "chair_1", "wall_cabinet_1"}
+"""A thing of each class."""
 
 
 @pytest.fixture
-def folders(tmp_path) -> Folders:
-    entities, points, instance, class_id = [], [], [], []
-    for spec in SPECS:
-        id, _, class_name, center, size, yaw, _ = spec
-        entities.append(record(*spec))
-        vertices = box_mesh(size, center, yaw, spacing_m=0.02 if id > 3 else 0.04).vertices
-        points.append(vertices)
-        instance.append(np.full(len(vertices), id, np.int32))
-        class_id.append(np.full(len(vertices), class_named(class_name).id, np.int32))
-    truth = tmp_path / "truth"
-    truth.mkdir()
-    write_scene(SceneFile(tuple(entities), np.eye(4)), truth / "scene.json")
-    whole, ids = np.concatenate(points), np.concatenate(instance)
-    np.savez(truth / "observed.npz", points=whole, normals=np.zeros_like(whole), instance=ids)
-    return Folders(tmp_path, entities, whole, ids, np.concatenate(class_id))
-
-
-def drop(folders: Folders, keep: np.ndarray) -> None:
-    folders.points, folders.instance = folders.points[keep], folders.instance[keep]
-    folders.class_id = folders.class_id[keep]
+def folders(tmp_path, monkeypatch) -> Folders:
+    measure_surfaces_fast(monkeypatch)
+    return make_folders(tmp_path)
 
 
 def check_perfect(report) -> None:
@@ -115,16 +37,32 @@ def check_perfect(report) -> None:
     assert p.pq_things == p.pq_stuff == pytest.approx(1.0)
     assert {c.class_name for c in p.classes} == {"floor", "wall", "table", "cup", "chair",
                                                  "wall_cabinet"}  # fmt: skip
-    assert report.boxes.map50 == report.boxes.map25 == 1.0
-    s = report.supports
-    assert (s.precision, s.recall, s.recall_of_found) == (1.0, 1.0, 1.0)
-    assert (s.true, s.attached_correct, s.attached) == (4, 1, 1)
+    b, i = report.boxes, report.instances
+    assert b.map50 == b.map25 == b.map50_11point == b.map25_11point == pytest.approx(1.0)
+    assert i.map == i.map50 == i.map25 == pytest.approx(1.0)
+    assert {r.class_name for r in i.rows} == {r.class_name for r in b.rows} == THINGS
+    for edges, count in ((report.supports, 4), (report.proximal, 2)):
+        assert edges.precision == edges.recall == 1.0
+        assert edges.precision_of_found == edges.recall_of_found == 1.0
+        assert edges.true == edges.predicted == edges.reachable == count
+    assert (report.attachments.correct, report.attachments.count) == (1, 1)
+    assert report.support_planes.near_share == 1.0 and report.support_planes.median_m < 1e-5
+    assert len(report.support_planes.rows) == 4
+    assert all(row.same_parent for row in report.support_planes.rows)
     c = report.cad
     assert c.accuracy == c.class_accuracy == c.placed == c.same_model == 1.0
     assert c.median_center_m < 1e-5 and c.median_rotation_deg < 0.1
-    assert report.surface.median_m < 1e-5 and report.surface.completeness == 1.0
+    check_perfect_surface(report.surface)
     assert all(m.truth == m.predicted and m.by == "segments" for m in report.matches)
     assert len(report.matches) == 5 and report.unseen == ()
+
+
+def check_perfect_surface(surface) -> None:
+    for error in ("accuracy_mean_m", "accuracy_median_m", "completeness_mean_m",
+                  "completeness_median_m"):  # fmt: skip
+        assert getattr(surface, error) < 1e-5
+    assert [r.limit_m for r in surface.rates] == [0.01, 0.02, 0.05]
+    assert all(r.precision == r.recall == r.f_score == 1.0 for r in surface.rates)
 
 
 def test_the_truth_scores_everything(folders):
@@ -138,10 +76,18 @@ def test_another_world_of_the_same_dataset_changes_nothing(folders):
     folders.points = folders.points @ T[:3, :3].T + T[:3, 3]
     for e in list(folders.entities):
         box = canonical_box(T[:3, :3] @ e.box.center + T[:3, 3], float(e.box.yaw) + 1.1, e.box.size)
+        planes = tuple(
+            dataclasses.replace(
+                p,
+                normal=T[:3, :3] @ p.normal,
+                offset=p.offset - float(T[:3, :3] @ p.normal @ T[:3, 3]),
+            )
+            for p in e.planes
+        )
         cad = e.cad and dataclasses.replace(
             e.cad, T_world_cad=(T @ e.cad.T_world_cad).astype(np.float32)
         )
-        folders.edit(e.name, box=box, cad=cad)
+        folders.edit(e.name, box=box, planes=planes, cad=cad)
     check_perfect(folders.report())
 
 
@@ -152,21 +98,29 @@ def test_ids_names_and_order_change_nothing(folders):
         dataclasses.replace(e, id=e.id * 7 + 3, name=names[e.name], parent=names[e.parent])
         for e in reversed(folders.entities)
     ]
+    folders.proximal = tuple((names[b], names[a], depth) for a, b, depth in folders.proximal)
     report = folders.report()
     assert {m.truth: m.predicted for m in report.matches} == {
         e[1]: names[e[1]] for e in SPECS if class_named(e[2]).kind == "thing"
     }
     assert report.panoptic.pq == pytest.approx(1.0) and report.boxes.map50 == 1.0
     assert (report.supports.precision, report.cad.accuracy) == (1.0, 1.0)
+    assert report.proximal.precision == report.proximal.recall == report.instances.map50 == 1.0
 
 
 def test_nothing_scores_nothing(folders):
     folders.entities = []
-    drop(folders, np.zeros(len(folders.points), bool))
+    folders.drop(np.zeros(len(folders.points), bool))
     report = folders.report()
     assert report.panoptic.pq == report.boxes.map50 == report.cad.accuracy == 0.0
     assert report.supports.recall == 0.0 and report.supports.precision is None
-    assert report.surface.completeness == 0.0 and report.surface.median_m is None
+    assert report.proximal.recall == 0.0 and report.proximal.precision is None
+    assert report.instances.map == report.instances.map25 == 0.0
+    assert report.surface.accuracy_mean_m is None and report.surface.completeness_mean_m is None
+    assert [(r.precision, r.recall, r.f_score) for r in report.surface.rates] == [
+        (None, 0, None)
+    ] * 3
+    assert report.support_planes.median_m is None and report.support_planes.rows == ()
     assert all(m.predicted is None for m in report.matches)
     json.dumps(report.to_json(), allow_nan=False)
 
@@ -174,13 +128,13 @@ def test_nothing_scores_nothing(folders):
 def test_quality_falls_as_a_segment_is_eaten(folders):
     rng = np.random.default_rng(0)
     table, scores = folders.instance == 4, []
-    original = folders.instance.copy()
+    original = folders.instance, folders.class_id
     order = rng.permutation(np.flatnonzero(table))
     for share in (0.0, 0.1, 0.3, 0.45, 0.6):
-        folders.instance = original.copy()
-        eaten = order[: int(share * len(order))]
-        folders.instance[eaten] = 7  # the chair takes them
-        folders.class_id[eaten] = class_named("chair").id
+        folders.instance, folders.class_id = (v.copy() for v in original)
+        eaten = np.zeros(len(folders.points), bool)
+        eaten[order[: int(share * len(order))]] = True
+        folders.relabel(eaten, "chair_1")
         quality = {c.class_name: c for c in folders.report().panoptic.classes}
         scores.append((quality["table"].pq, quality["chair"].pq))
         assert quality["cup"].pq == pytest.approx(1.0)
@@ -195,14 +149,8 @@ def test_false_surface_costs_by_area_not_by_density(folders):
     scores = []
     for count in (4000, 40000):
         ghost = rng.uniform([-1, -1, 3], [0, 0, 3.001], (count, 3))  # 1 m^2 far from all
-        spoiled = dataclasses.replace(
-            folders,
-            points=np.concatenate([folders.points, ghost]),
-            instance=np.concatenate([folders.instance, np.full(count, 4, np.int32)]),
-            class_id=np.concatenate(
-                [folders.class_id, np.full(count, class_named("table").id, np.int32)]
-            ),
-        )
+        spoiled = dataclasses.replace(folders)
+        spoiled.add(ghost, 4, "table")
         quality = {c.class_name: c for c in spoiled.report().panoptic.classes}
         scores.append(quality["table"].pq)
     cells = 2500  # 1 m^2 on the 2 cm grid
@@ -219,7 +167,7 @@ def test_a_wrong_class_is_a_miss_and_a_false_alarm(folders):
     assert (quality["chair"].false_negatives, quality["sofa"].false_positives) == (1, 1)
     assert report.panoptic.pq == pytest.approx(5 / 7)
     assert report.panoptic.pq_matched == pytest.approx(1.0)
-    assert report.boxes.ap["chair"] == (0.0, 0.0)
+    assert box_ap(report.boxes, "chair") == (0.0, 0.0)
     assert (report.supports.correct, report.supports.predicted, report.supports.true) == (3, 4, 4)
     assert report.supports.recall_of_found == 1.0
     row = next(r for r in report.cad.rows if r.truth == "chair_1")
@@ -232,16 +180,15 @@ def test_wrong_parents_cost_precision_and_recall(folders):
     s = folders.report().supports
     assert (s.correct, s.predicted, s.true, s.reachable) == (2, 3, 4, 4)
     folders.edit("wall_cabinet_1", parent="wall_2", attachment="none")
-    s = folders.report().supports
-    assert (s.correct, s.predicted, s.attached_correct, s.attached) == (2, 4, 0, 1)
+    report = folders.report()
+    assert (report.supports.correct, report.supports.predicted) == (2, 4)
+    assert (report.attachments.correct, report.attachments.count) == (0, 1)
 
 
 def test_one_wall_for_another_is_the_same_parent(folders):
     for name in ("cup_1", "cup_2", "table_1", "chair_1"):
         folders.edit(name, parent="wall_1")
-    truth = folders.root / "truth"
-    entities = [dataclasses.replace(e) for e in folders.entities]
-    write_scene(SceneFile(tuple(entities), np.eye(4)), truth / "scene.json")
+    write_scene(SceneFile(tuple(folders.entities), np.eye(4)), folders.truth / "scene.json")
     for name in ("cup_1", "cup_2", "table_1", "chair_1"):
         folders.edit(name, parent="wall_2")
     assert folders.report().supports.precision == 1.0
@@ -249,9 +196,14 @@ def test_one_wall_for_another_is_the_same_parent(folders):
 
 def test_boxes_stand_in_where_segments_fail(folders):
     keep = ~((folders.instance == 4) & (folders.points[:, 2] > 0.3))
-    drop(folders, keep)
+    folders.drop(keep)
     match = next(m for m in folders.report().matches if m.truth == "table_1")
     assert (match.predicted, match.by) == ("table_1", "boxes")
+
+
+def box_ap(boxes, class_name: str) -> tuple[float, float]:
+    row = next(r for r in boxes.rows if r.class_name == class_name)
+    return row.ap50, row.ap25
 
 
 def test_boxes_before_and_after_refinement(folders):
@@ -259,7 +211,10 @@ def test_boxes_before_and_after_refinement(folders):
     report = folders.report(unrefined={"chair_1": lifted})
     assert report.boxes.map50 == 1.0
     assert report.unrefined_boxes is not None
-    assert report.unrefined_boxes.ap["chair"] == (0.0, 1.0)  # half of the box: IoU just below 0.5
+    assert box_ap(report.unrefined_boxes, "chair") == (
+        0.0,
+        1.0,
+    )  # half of the box: IoU just below 0.5
 
 
 def turned(entity: EntityRecord, degrees: float, **changes) -> CadRecord:
@@ -269,10 +224,24 @@ def turned(entity: EntityRecord, degrees: float, **changes) -> CadRecord:
     return dataclasses.replace(entity.cad, T_world_cad=T, **changes)
 
 
+def solid(cad_id: str, size):
+    return parts_model(cad_id, cad_id.split("/")[0], [(size, (0, 0, 0))])
+
+
+def models_of_the_truth():
+    return [solid(f"{c}/a", size) for _, name, c, _, size, *_ in SPECS if name in NAMES]
+
+
 def test_symmetry_of_models_is_known_only_when_given(folders):
     folders.edit("table_1", cad=turned(folders.entities[3], 180))
     assert folders.report().cad.accuracy == pytest.approx(0.8)
-    assert folders.report(symmetry={"table/a": 2}).cad.accuracy == 1.0
+    symmetric = models_of_the_truth()
+    assert folders.report(library=library_of(*symmetric)).cad.accuracy == 1.0
+    plain = library_of(*(dataclasses.replace(m, symmetry=1) for m in symmetric))
+    assert folders.report(library=plain).cad.accuracy == pytest.approx(0.8)
+    # Symmetry is of the true model: the truth's library decides.
+    report = folders.report(library=plain, truth_library=library_of(*symmetric))
+    assert report.cad.accuracy == 1.0
 
 
 def test_another_model_is_judged_by_its_size(folders):
@@ -282,27 +251,23 @@ def test_another_model_is_judged_by_its_size(folders):
     folders.edit("chair_1", cad=cad)
     row = next(r for r in folders.report().cad.rows if r.truth == "chair_1")
     assert row.errors.aligned and row.size_source == "boxes of the entities"
-    sizes = {"chair/a": (0.5, 0.5, 0.9), "chair/b": (1.0, 1.0, 1.8)}
-    report = folders.report(model_size=sizes)
+    true = models_of_the_truth()
+    twice = solid("chair/b", (1.0, 1.0, 1.8))
+    report = folders.report(library=library_of(*true, twice))
     row = next(r for r in report.cad.rows if r.truth == "chair_1")
     assert row.errors.aligned and row.size_source == "model"
     assert report.cad.same_model == pytest.approx(0.8)
-    sizes["chair/b"] = (0.5, 0.5, 0.9)
-    row = next(r for r in folders.report(model_size=sizes).cad.rows if r.truth == "chair_1")
+    as_large = library_of(*true, solid("chair/b", (0.5, 0.5, 0.9)))
+    report = folders.report(library=as_large, truth_library=library_of(*true))
+    row = next(r for r in report.cad.rows if r.truth == "chair_1")
     assert not row.errors.aligned and row.errors.size_ratio == pytest.approx(0.5)
 
 
 def test_what_the_camera_did_not_see_is_not_asked_for(folders):
-    truth = folders.root / "truth/observed.npz"
-    with np.load(truth) as data:
-        keep = data["instance"] != 6
-        np.savez(
-            folders.root / "seen.npz",
-            **{k: data[k][keep] for k in ("points", "normals", "instance")},
-        )
-    (folders.root / "seen.npz").replace(truth)
+    keep = folders.instance != 6
+    folders.write_observed(folders.points[keep], folders.instance[keep])
     folders.entities = [e for e in folders.entities if e.name != "cup_2"]
-    drop(folders, folders.instance != 6)
+    folders.drop(keep)
     report = folders.report()
     assert report.unseen == ("cup_2",)
     assert report.panoptic.pq == pytest.approx(1.0) and report.supports.recall == 1.0
@@ -313,11 +278,20 @@ def test_report_prints_and_writes(folders, tmp_path):
     report.write(tmp_path / "evaluation.json")
     data = json.loads((tmp_path / "evaluation.json").read_text())
     assert data["panoptic"]["pq"] == pytest.approx(1.0)
-    assert data["supports"]["recall"] == 1.0
+    assert data["supports"]["recall"] == data["proximal"]["recall_of_found"] == 1.0
+    assert data["surface"]["rates"][0]["f_score"] == 1.0
     console = Console(file=io.StringIO(), width=140, color_system=None)
     console.print(report.table())
     text = console.file.getvalue()
-    for words in ("PQ / SQ / RQ", "100.0 / 100.0 / 100.0", "wall_cabinet", "5 of 5"):
+    for words in (
+        "PQ / SQ / RQ, all 6 classes",
+        "PQ / SQ / RQ, 6 matched classes only",
+        "100.0 / 100.0 / 100.0",
+        "mean, matched classes only",
+        "box mAP_re@0.5 / 0.25, 11-point",
+        "wall_cabinet",
+        "5 of 5",
+    ):
         assert words in text
 
 
@@ -326,7 +300,13 @@ def test_report_prints_and_writes(folders, tmp_path):
     [
         (lambda d: (d / "result/map/panoptic.ply").unlink(), "panoptic.ply"),
         (lambda d: (d / "result/map/panoptic.ply").write_bytes(b"solid"), "no binary"),
-        (lambda d: cut(d / "result/map/panoptic.ply"), "some of its vertices"),
+        (lambda d: cut(d / "result/map/panoptic.ply", 2000), "some of its vertices"),
+        (lambda d: cut(d / "result/map/panoptic.ply", -5), "some of its faces"),
+        (lambda d: cut(d / "truth/meshes/table_1.ply", -5), "some of its faces"),
+        (lambda d: edit(d, b"int vertex_indices", b"half vertex_indices"), "another kind"),
+        (lambda d: edit(d, b"element vertex", b"element vertex many"), "another kind"),
+        (lambda d: edit(d, b"list uchar int vertex", b"list uchar int8 vertex"), "no triangles"),
+        (lambda d: edit(d, b"int instance", b"int entity"), "lacks instance"),
         (lambda d: (d / "truth/observed.npz").write_bytes(b"x"), "observed.npz"),
         (lambda d: (d / "truth/scene.json").unlink(), "scene.json"),
     ],
@@ -335,8 +315,27 @@ def test_files_that_cannot_be_read_are_named(folders, spoil, words):
     result = folders.write()
     spoil(folders.root)
     with pytest.raises(SceneError, match=words):
-        evaluate(result, folders.root / "truth")
+        evaluate(result, folders.truth)
 
 
-def cut(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[:2000])
+def edit(root: Path, old: bytes, new: bytes) -> None:
+    path = root / "result/map/panoptic.ply"
+    path.write_bytes(path.read_bytes().replace(old, new, 1))
+
+
+def cut(path: Path, end: int) -> None:
+    path.write_bytes(path.read_bytes()[:end])
+
+
+def test_models_and_the_verdict_stand_in_the_report(folders):
+    report = folders.report()
+    assert report.replacement is None and report.standing is None
+    report = folders.report(library=library_of(*models_of_the_truth()))
+    assert report.replacement is not None
+    assert report.replacement.retrieval.top1_same == 1.0
+    assert report.replacement.scan2cad.strict.instances == 1.0
+    assert report.replacement.equivalence.relations == 1.0
+    assert report.replacement.chamfer.two_way_median_m < 1e-4
+    text = str(report)
+    assert "functional equivalence" in text and "retrieval" in text
+    json.dumps(report.to_json(), allow_nan=False)

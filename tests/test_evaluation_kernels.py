@@ -10,10 +10,13 @@ from hypothesis import strategies as st
 from isr_jax.evaluation import (
     AlignmentLimits,
     CadPose,
+    ClassQuality,
+    PanopticScores,
     average_precision,
     box_iou_matrix,
     contingency,
     panoptic_quality,
+    precision_recall,
     rotation_error_rad,
     score_cads,
 )
@@ -113,6 +116,65 @@ def test_average_precision_as_its_twin(seed, predictions, truths):
     iou, score = rng.random((predictions, truths)), rng.random(predictions)
     expected = reference.average_precision(iou, score, 0.5)
     assert average_precision(iou, score, 0.5) == pytest.approx(expected)
+
+
+@settings(max_examples=50, deadline=None)
+@given(seeds, st.integers(0, 6), st.integers(1, 10))
+def test_eleven_point_precision_as_its_twin(seed, predictions, truths):
+    rng = np.random.default_rng(seed)
+    iou, score = rng.random((predictions, truths)), rng.random(predictions)
+    found = precision_recall(iou, score, 0.5).eleven_point
+    assert found == pytest.approx(reference.eleven_point(iou, score, 0.5))
+
+
+def test_eleven_point_precision_by_hand():
+    # Hit, miss, hit of 2: precision 1, 1/2, 2/3 at recall 1/2, 1/2, 1. The levels 0, ..., 0.5 see
+    # 1, the levels 0.6, ..., 1.0 see 2/3: (6 + 5 * 2/3) / 11 = 28/33. All points: 5/6.
+    curve = precision_recall(
+        np.array([[0.9, 0], [0.4, 0], [0, 0.8]]), np.array([3.0, 2.0, 1.0]), 0.5
+    )
+    np.testing.assert_allclose(curve.precision, [1, 1 / 2, 2 / 3])
+    np.testing.assert_allclose(curve.recall, [1 / 2, 1 / 2, 1])
+    assert curve.eleven_point == pytest.approx(28 / 33)
+    assert curve.all_point == pytest.approx(5 / 6)
+
+
+@pytest.mark.parametrize(("found", "levels"), [(0, 0), (1, 2), (3, 4), (10, 11)])
+def test_recall_that_is_never_reached_counts_nothing(found, levels):
+    """``found`` of 10 and no false alarm: the levels 0, ..., found/10 see 1, the others 0."""
+    curve = precision_recall(np.eye(10)[:found], np.ones(found), 0.5)
+    assert curve.eleven_point == pytest.approx(levels / 11)
+    assert curve.all_point == pytest.approx(found / 10)
+
+
+def test_ignored_predictions_are_left_out_unless_they_hit():
+    iou, score = np.array([[0.1], [0.9]]), np.array([2.0, 1.0])
+    assert average_precision(iou, score, 0.5) == pytest.approx(0.5)
+    ignored = precision_recall(iou, score, 0.5, np.array([True, True]))
+    np.testing.assert_array_equal(ignored.precision, [1.0])
+    assert ignored.all_point == ignored.eleven_point == 1.0
+
+
+def test_both_averages_by_hand():
+    # chair: 0.6 * 0.5 = 0.3; cup: nothing found; floor: 0.8 * 1.
+    rows = (
+        ClassQuality("chair", "thing", 0.3, 0.6, 0.5, 1, 1, 1),
+        ClassQuality("cup", "thing", 0.0, 0.0, 0.0, 0, 1, 2),
+        ClassQuality("floor", "stuff", 0.8, 0.8, 1.0, 1, 0, 0),
+    )
+    s = PanopticScores.over(rows)
+    np.testing.assert_allclose([s.pq, s.sq, s.rq], [1.1 / 3, 1.4 / 3, 1.5 / 3])
+    np.testing.assert_allclose([s.pq_things, s.pq_stuff], [0.15, 0.8])
+    np.testing.assert_allclose([s.pq_matched, s.sq_matched, s.rq_matched], [0.55, 0.7, 0.75])
+    lines = dict(s.headline())
+    assert lines["PQ / SQ / RQ, all 3 classes"] == "36.7 / 46.7 / 50.0"
+    assert lines["PQ / SQ / RQ, 2 matched classes only"] == "55.0 / 70.0 / 75.0"
+
+
+def test_averages_of_nothing_are_none_or_zero():
+    s = PanopticScores.over(())
+    assert (s.pq, s.sq, s.rq) == (0.0, 0.0, 0.0)
+    assert s.pq_things is s.pq_stuff is s.pq_matched is s.sq_matched is s.rq_matched is None
 
 
 def test_box_iou_matrix_needs_no_power_of_two():

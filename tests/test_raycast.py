@@ -80,3 +80,22 @@ def test_a_rigid_motion_of_scene_and_camera_changes_nothing():
     assert both.sum() > 0.98 * (still.instance == 1).sum()
     inner = both & (still.triangle == other.triangle)  # edges may flip by a rounding
     np.testing.assert_allclose(still.depth_m[inner], other.depth_m[inner], atol=5e-5)
+
+
+def test_barycentric_weights_give_the_point_that_was_hit():
+    """P = (1 - u - v) A + u B + v C for the corners A, B, C of the triangle."""
+    scene = RayScene([wall_at(2.5)], [7])
+    rays = camera_rays(CAMERA).reshape(-1, 3) @ LOOK_ALONG_X[:3, :3].T
+    hits, weights = scene.cast_into(np.zeros_like(rays), rays)
+    corners = scene.vertices[scene.faces[hits.triangle]]
+    whole = np.concatenate([1 - weights.sum(1, keepdims=True), weights], 1)
+    points = np.einsum("rk,rki->ri", whole, corners)
+    np.testing.assert_allclose(points, hits.distance[:, None] * rays, atol=FLOAT32_DEPTH_M)
+
+
+@pytest.mark.parametrize(("reach", "expected"), [(0.99, False), (1.01, True), (5.0, True)])
+def test_a_wall_blocks_what_reaches_it(reach, expected):
+    blocked = RayScene([wall_at(2.0)], [1]).blocked(
+        np.zeros((1, 3)), np.array([[2.0, 0, 0]]), reach
+    )
+    assert bool(blocked[0]) is expected

@@ -35,6 +35,7 @@ COMPOSERS = {
     "cli",
     "cli_cad",
     "demonstration",
+    "room_making",
     "summary",
     "__init__",
     "__main__",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
 from pathlib import Path
@@ -11,15 +10,19 @@ import cv2
 import numpy as np
 import pytest
 
-from isr_jax.config import NoiseModel
+from isr_jax.classes import class_named
+from isr_jax.config import PoseNoise
 from isr_jax.raycast import camera_rays
+from isr_jax.robot_model import link_transforms
 from isr_jax.scene_file import read_scene
 from isr_jax.synthetic import NO_NOISE, Room, make_room, render_sequence, true_entities
+from isr_jax.synthetic.cameras import default_camera, named_camera
 from isr_jax.synthetic.filming import SURFACE_GRID_M, Film, SeenSurface, joined, thinned
-from isr_jax.synthetic.noise import axial_sigma_m, depth_edges, quantum_m, sensor_depth
-from isr_jax.synthetic.render import default_camera
+from isr_jax.synthetic.free_space import clearance_m, inside_room
+from isr_jax.synthetic.shading import lamp_place
+from isr_jax.synthetic.shell import WALL_M
+from isr_jax.synthetic.surface import room_parts
 from isr_jax.synthetic.walk import camera_path
-from isr_jax.types import Camera
 
 from .furniture import furniture_library
 
@@ -40,87 +43,6 @@ def sequence(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-@pytest.fixture(scope="module")
-def kinect() -> Camera:
-    return default_camera(640, 480)
-
-
-def flat(depth_m: float, angle: float = 0.0, size: tuple[int, int] = (200, 200)):
-    """Depth and incidence images of a facing plane."""
-    return np.full(size, depth_m, np.float32), np.full(size, angle, np.float32)
-
-
-# ---------------------------------------------------------------------- the sensor
-
-
-@pytest.mark.parametrize("depth_m", [0.8, 1.5, 2.5, 3.5])
-def test_depth_noise_grows_as_the_model_says(kinect, depth_m):
-    noise = NoiseModel(dropout=0.0)
-    depth, angle = flat(depth_m)
-    # Disparity rounding is a staircase: over many true depths it averages to its variance.
-    depth += np.linspace(-0.05, 0.05, depth.size, dtype=np.float32).reshape(depth.shape)
-    error = sensor_depth(depth, angle, kinect, noise, np.random.default_rng(0)) - depth
-    expected = 0.0012 + 0.0019 * (depth_m - 0.4) ** 2
-    assert error.std() == pytest.approx(expected, rel=0.06)
-    assert abs(error.mean()) < 5 * expected / np.sqrt(error.size) + 0.002 * expected + 5e-5
-
-
-def test_sigma_is_the_published_formula():
-    depth, angle = np.float32([1.0, 2.0, 3.0]), np.float32([0.0, 0.0, 1.2])
-    sigma = axial_sigma_m(NoiseModel(), depth, angle)
-    grazing = 1e-4 / np.sqrt(3.0) * 1.2**2 / (np.pi / 2 - 1.2) ** 2
-    expected = [0.0012 + 0.0019 * 0.36, 0.0012 + 0.0019 * 2.56, 0.0012 + 0.0019 * 6.76 + grazing]
-    np.testing.assert_allclose(sigma, expected, rtol=1e-5)
-
-
-def test_depth_comes_in_steps_of_the_disparity(kinect):
-    noise = NoiseModel(axial_m=0.02, dropout=0.0)
-    depth, angle = flat(3.0)
-    values = np.unique(sensor_depth(depth, angle, kinect, noise, np.random.default_rng(1)))
-    near = values[np.abs(values - 3.0) < 0.06]
-    step = quantum_m(noise, kinect, np.float32(3.0)[None])[0]
-    np.testing.assert_allclose(np.diff(near), step, rtol=0.05)
-
-
-def test_a_plane_has_no_edges_and_a_step_has_two_sides():
-    rays = camera_rays(default_camera(WIDTH, HEIGHT))
-    slanted = (2.0 / (1.0 + 0.8 * rays[..., 0])).astype(np.float32)
-    assert not depth_edges(slanted).any()
-    step = np.where(np.arange(WIDTH) < 30, 1.0, 2.0) * np.ones((HEIGHT, 1))
-    columns = np.flatnonzero(depth_edges(step.astype(np.float32)).all(0))
-    np.testing.assert_array_equal(columns, [29, 30])
-
-
-def test_edges_wander_and_lose_pixels(kinect):
-    step = np.where(np.arange(200) < 100, 1.0, 2.0).astype(np.float32) * np.ones((300, 1), "f4")
-    angle = np.zeros_like(step)
-    still = dataclasses.replace(NO_NOISE, lateral_px=0.8)
-    moved = sensor_depth(step, angle, kinect, still, np.random.default_rng(0))
-    swapped = np.mean((moved != step)[:, 99:101])
-    # Of a unit Gaussian times 0.8 px, what rounds to a step of one or more to the other side.
-    assert swapped == pytest.approx(0.266, abs=0.06)
-    assert np.all(moved[:, :98] == 1.0) and np.all(moved[:, 102:] == 2.0)
-    lossy = NoiseModel(edge_dropout=0.4, dropout=0.0)
-    lost = sensor_depth(step, angle, kinect, lossy, np.random.default_rng(0)) == 0
-    assert lost[:, 99:101].mean() == pytest.approx(0.4, abs=0.08)
-    assert not lost[:, :98].any()
-
-
-@pytest.mark.parametrize(
-    ("depth_m", "angle", "returns"),
-    [(1.0, 0.0, True), (0.3, 0.0, False), (4.8, 0.0, False), (2.0, 1.45, False), (2.0, 1.3, True)],
-)
-def test_range_and_grazing_angles(kinect, depth_m, angle, returns):
-    noise = NoiseModel(dropout=0.0)
-    out = sensor_depth(*flat(depth_m, angle), kinect, noise, np.random.default_rng(0))
-    assert np.all(out > 0) if returns else np.all(out == 0)
-
-
-def test_nothing_there_returns_nothing(kinect):
-    out = sensor_depth(*flat(0.0), kinect, NoiseModel(), np.random.default_rng(0))
-    assert np.all(out == 0)
-
-
 # ---------------------------------------------------------------------- frames
 
 
@@ -137,14 +59,59 @@ def test_labels_lie_on_the_surface_of_what_they_name(room):
         for i in np.unique(shot.instance[shot.instance > 0]):
             entity, seen = scene[int(i)], points[shot.instance == i]
             low, high = entity.mesh.vertices.min(0), entity.mesh.vertices.max(0)
-            assert np.all(seen >= low - 1e-4) and np.all(seen <= high + 1e-4)
+            grown = WALL_M if entity.is_layout else 0.0  # the thickness shows in openings
+            assert np.all(seen >= low - grown - 1e-4) and np.all(seen <= high + grown + 1e-4)
             if entity.is_layout:
-                plane = seen @ entity.planes.normal[0] + entity.planes.offset[0]
-                assert np.abs(plane).max() < 1e-4
+                _assert_on_wall(seen @ entity.planes.normal[0] + entity.planes.offset[0], 1e-4)
 
 
-def test_the_walk_is_smooth_and_stays_clear(room):
-    path = camera_path(room, 150, 0)
+def _assert_on_wall(off_m: np.ndarray, tolerance_m: float) -> None:
+    """Before a wall is nothing of it; in its openings its thickness shows."""
+    assert off_m.max(initial=0) < tolerance_m and off_m.min(initial=0) > -WALL_M - tolerance_m
+
+
+def test_part_ids_name_the_link_that_was_hit():
+    """Every point of a part lies in the box of its link's meshes, and the part's entity is its."""
+    room = make_room(1, furniture_library(), kind="kitchen")
+    camera = default_camera(320, 240)
+    film = Film(room, camera, NO_NOISE, 0)
+    parts = {part.id: part for part in room_parts(room)}
+    items = {item.id: item for item in room.items}
+    links_seen = set()
+    for pose in camera_path(room, 12, 0, camera=camera)[::2]:
+        shot = film.shoot(0, pose)
+        points = (camera_rays(camera) * shot.true_depth_m[..., None]) @ pose[:3, :3].T
+        points += pose[:3, 3]
+        assert np.all((shot.part > 0) == (shot.instance > 0))
+        for i in np.unique(shot.part[shot.part > 0]):
+            part, rows = parts[int(i)], shot.part == i
+            assert np.all(shot.instance[rows] == part.entity_id)
+            if part.link is None:
+                assert part.entity_id not in items
+                continue
+            item = items[part.entity_id]
+            link = next(link for link in item.model.robot.links if link.name == part.link)
+            T = link_transforms(item.model.robot)[part.link]
+            local = np.concatenate([v.mesh.vertices for v in link.visuals])
+            solid = item.to_world(local @ T[:3, :3].T + T[:3, 3])
+            assert np.all(points[rows] > solid.min(0) - 1e-4)
+            assert np.all(points[rows] < solid.max(0) + 1e-4)
+            links_seen.add(part.link)
+    assert {"base", "door"} <= links_seen
+
+
+def test_class_images_say_what_each_instance_is(room):
+    film = Film(room, default_camera(WIDTH, HEIGHT), NO_NOISE, 0)
+    shot = film.shoot(0, camera_path(room, 3, 0)[1])
+    names = {e.id: e.class_name for e in true_entities(room, spacing_m=1.0, with_stuff=True)}
+    for i in np.unique(shot.instance[shot.instance > 0]):
+        assert np.all(shot.class_id[shot.instance == i] == class_named(names[int(i)]).id)
+    assert np.all(shot.class_id[shot.instance == 0] == 0)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_walk_is_smooth_and_stays_clear(room, seed):
+    path = camera_path(room, 150, seed)
     eyes, forward = path[:, :3, 3], path[:, :3, 2]
     assert np.linalg.norm(np.diff(eyes, axis=0), axis=1).max() < 0.25
     turn = np.arccos(np.clip(np.sum(forward[1:] * forward[:-1], 1), -1, 1))
@@ -152,20 +119,21 @@ def test_the_walk_is_smooth_and_stays_clear(room):
     for T in path:
         np.testing.assert_allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-9)
         assert np.linalg.det(T[:3, :3]) == pytest.approx(1.0)
-    for item in room.items:
-        local = (eyes - item.center) @ item.T_world_cad[:3, :3]
-        outside = np.abs(local) - item.scale * item.model.size / 2
-        assert np.linalg.norm(np.maximum(outside, 0), axis=1).min() > 0.2, item.name
-    inside = [(eyes - p.corners[0]) @ p.normal for p in room.layout]
-    assert np.min(inside) > 0.3
+        assert abs(T[2, 0]) < 1e-9  # held level
+    between = np.concatenate([eyes + s * (np.roll(eyes, -1, 0) - eyes) for s in (0, 0.5)])[:-1]
+    assert clearance_m(room, between).min() > 0.19
+    assert inside_room(room, between, 0.29).all()
 
 
-def test_the_walk_sees_everything(room):
-    film = Film(room, default_camera(WIDTH, HEIGHT), NO_NOISE, 0)
-    pixels = np.zeros(len(room.layout) + len(room.items) + 1, np.int64)
-    for index, pose in enumerate(camera_path(room, 120, 0)[::4]):
-        pixels += np.bincount(film.shoot(index, pose).instance.ravel(), minlength=len(pixels))
-    assert np.all(pixels[1:] > 30), pixels
+def test_another_seed_walks_another_way(room):
+    path = camera_path(room, 20, 0)
+    np.testing.assert_array_equal(path, camera_path(room, 20, 0))
+    assert np.abs(path - camera_path(room, 20, 1)).max() > 0.1
+
+
+def test_the_lamp_hangs_clear_of_things(room):
+    lamp = lamp_place(room)[None].astype(np.float64)
+    assert clearance_m(room, lamp)[0] > 0.4 and inside_room(room, lamp, 0.1).all()
 
 
 # ---------------------------------------------------------------------- files
@@ -185,8 +153,7 @@ def test_frames_reproject_onto_each_other_through_the_files(room, sequence):
         points = (rays * (depth / 1000.0)[..., None]) @ T[:3, :3].T + T[:3, 3]
         for patch in layout:
             seen = points[(ids == patch.id) & (depth > 0)]
-            off = (seen - patch.corners[0]) @ patch.normal
-            assert len(seen) == 0 or np.abs(off).max() < MILLIMETRE_M * 1.6
+            _assert_on_wall((seen - patch.corners[0]) @ patch.normal, MILLIMETRE_M * 1.6)
 
 
 def test_intrinsics_give_gravity_and_units(room, sequence):
@@ -197,11 +164,59 @@ def test_intrinsics_give_gravity_and_units(room, sequence):
     )
 
 
+def test_part_images_are_of_the_panoptic_ones(sequence):
+    parts = json.loads((sequence / "truth/parts.json").read_text())
+    entity = np.zeros(len(parts) + 1, int)
+    for part in parts:
+        entity[part["id"]] = part["entity"]
+    for index in range(FRAMES):
+        image = cv2.imread(str(sequence / f"parts/{index:06d}.png"), cv2.IMREAD_UNCHANGED)
+        panoptic = cv2.imread(str(sequence / f"panoptic/{index:06d}.png"), cv2.IMREAD_UNCHANGED)
+        assert image.dtype == np.uint16
+        ids = panoptic[..., 2] + 256 * panoptic[..., 1].astype(int)
+        np.testing.assert_array_equal(entity[image], ids)
+
+
+def test_true_poses_are_kept_beside_drifting_ones(room, sequence, tmp_path: Path):
+    noise = PoseNoise(drift_m=0.05, drift_rad=0.05)
+    options = {"frames": FRAMES, "width": WIDTH, "height": HEIGHT, "noise": NO_NOISE}
+    render_sequence(room, tmp_path, pose_noise=noise, **options)
+    assert not (sequence / "truth/poses").exists()
+    off = []
+    for index in range(FRAMES):
+        name = f"{index:06d}.txt"
+        true = (tmp_path / "truth/poses" / name).read_text()
+        assert true == (sequence / "poses" / name).read_text()
+        given = np.loadtxt(tmp_path / "poses" / name)
+        off.append(np.linalg.norm((given - np.loadtxt(tmp_path / "truth/poses" / name))[:3, 3]))
+    assert off[0] < 1e-9 and off[-1] > 0.02
+    for folder in ("rgb", "depth", "panoptic"):  # the images are those of the true poses
+        for path in (sequence / folder).iterdir():
+            assert path.read_bytes() == (tmp_path / folder / path.name).read_bytes()
+
+
+def test_a_camera_off_the_centre_is_written_as_it_is(room, tmp_path: Path):
+    camera = named_camera("kinect_color", WIDTH, HEIGHT)
+    render_sequence(room, tmp_path, frames=1, noise=NO_NOISE, camera="kinect_color", width=WIDTH,
+                    height=HEIGHT)  # fmt: skip
+    data = json.loads((tmp_path / "intrinsics.json").read_text())
+    assert (data["cx"], data["cy"]) == (camera.cx, camera.cy) != (WIDTH / 2, HEIGHT / 2)
+    depth = cv2.imread(str(tmp_path / "depth/000000.png"), cv2.IMREAD_UNCHANGED) / 1000.0
+    part = cv2.imread(str(tmp_path / "panoptic/000000.png"), cv2.IMREAD_UNCHANGED)[..., 2]
+    T = room.T_world_dataset @ np.loadtxt(tmp_path / "poses/000000.txt")
+    points = (camera_rays(camera) * depth[..., None]) @ T[:3, :3].T + T[:3, 3]
+    for patch in room.layout:
+        seen = points[(part == patch.id) & (depth > 0)]
+        _assert_on_wall((seen - patch.corners[0]) @ patch.normal, MILLIMETRE_M * 1.6)
+
+
 def test_panoptic_index_counts_the_pixels_of_the_images(sequence):
     data = json.loads((sequence / "panoptic.json").read_text())
     assert len(data["images"]) == len(data["annotations"]) == FRAMES
     names = {c["id"]: c["name"] for c in data["categories"]}
+    record = json.loads((sequence / "truth/room.json").read_text())
     truth = {e.id: e.class_name for e in read_scene(sequence / "truth/scene.json").entities}
+    truth |= {item["id"]: item["class"] for item in record["items"]}
     for annotation in data["annotations"]:
         image = cv2.imread(str(sequence / "panoptic" / annotation["file_name"]))
         ids = image[..., 2].astype(int) + 256 * image[..., 1].astype(int)
@@ -218,8 +233,10 @@ def test_observed_surface_lies_on_the_true_one_and_faces_a_camera(room, sequence
     for patch in room.layout:
         rows = instance == patch.id
         off = (points[rows] - patch.corners[0]) @ patch.normal
-        assert np.abs(off).max(initial=0) < 1e-4
-        np.testing.assert_allclose(normals[rows] @ patch.normal, 1, atol=1e-5)
+        _assert_on_wall(off, 1e-4)
+        front = normals[rows][off > -1e-4]
+        # At the edge of an opening the faces of its sides begin in the plane of the wall.
+        assert np.mean(np.abs(front @ patch.normal - 1) < 1e-5) > 0.98
     cells = np.concatenate([np.floor(points / SURFACE_GRID_M), instance[:, None]], 1)
     assert len(np.unique(cells, axis=0)) == len(points)
 
@@ -236,7 +253,7 @@ def test_truth_meshes_are_written_and_named_by_the_scene(room, sequence):
     scene = read_scene(sequence / "truth/scene.json")
     assert {e.name for e in scene.entities} == {
         *(p.name for p in room.layout),
-        *(i.name for i in room.items),
+        *(i.name for i in room.things),
     }
     for entity in scene.entities:
         assert (sequence / "truth" / entity.mesh).stat().st_size > 500

@@ -10,7 +10,10 @@ import pytest
 
 from isr_jax.cad import default_library
 from isr_jax.cad_types import CadLibrary
-from isr_jax.errors import LibraryError
+from isr_jax.errors import LibraryError, SettingError
+from isr_jax.geometry import convex_part, depth_inside
+from isr_jax.raycast import RayScene
+from isr_jax.robot_model import link_transforms
 from isr_jax.scene_file import ROOM_NAME, read_scene, write_scene
 from isr_jax.synthetic import (
     NoiseModel,
@@ -25,18 +28,28 @@ from isr_jax.synthetic.exterior import exterior_parts, open_planes
 from isr_jax.synthetic.filming import SURFACE_GRID_M, Film, joined
 from isr_jax.synthetic.placement import MARGIN_M, overlap_depths
 from isr_jax.synthetic.render import default_camera
-from isr_jax.synthetic.room import upright_from_gravity
-from isr_jax.synthetic.support_rules import carrying_planes
+from isr_jax.synthetic.room import ROOM_KINDS, upright_from_gravity
 from isr_jax.synthetic.surface import open_surface
+from isr_jax.synthetic.tops import carrying_planes
 from isr_jax.synthetic.walk import camera_path
-from isr_jax.types import Entities
+from isr_jax.types import Entities, Mesh
 
 from .builders import box_mesh, library_of, parts_model, table_model
 from .furniture import block_model, bookshelf_model, cabinet_model, chair_model, furniture_library
 
 SEEDS = range(5)
-FLOAT32_M = 2e-6
+FLOAT32_M = 4e-6
 """Roundings of coordinates of a few metres, a few times over."""
+CONTACT_M = 1e-4
+KIT_SEED = 3
+MUST: dict[str, tuple[set[str], ...]] = {
+    "kitchen": ({"table"}, {"chair"}, {"counter", "cabinet"}),
+    "office": ({"desk"}, {"chair"}),
+    "living": ({"sofa"},),
+    "bedroom": ({"bed"},),
+    "meeting": ({"table"}, {"chair"}),
+}
+"""At least one of each set."""
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +59,20 @@ def library() -> CadLibrary:
 
 @pytest.fixture(scope="module")
 def rooms(library: CadLibrary) -> list[Room]:
+    """Of a few plain models, kinds as the seeds draw them."""
     return [make_room(seed, library) for seed in SEEDS]
+
+
+@pytest.fixture(scope="module")
+def kit_rooms() -> dict[str, Room]:
+    """One of each kind, of the package's own library."""
+    library = default_library()
+    return {kind: make_room(KIT_SEED, library, kind=kind) for kind in ROOM_KINDS}
+
+
+@pytest.fixture(scope="module")
+def every(rooms: list[Room], kit_rooms: dict[str, Room]) -> list[Room]:
+    return [*rooms, *kit_rooms.values()]
 
 
 @pytest.fixture(scope="module")
@@ -54,13 +80,18 @@ def entities(rooms: list[Room]) -> list[Entities]:
     return [true_entities(room) for room in rooms[:2]]
 
 
-def test_boxes_keep_their_margin(rooms):
-    for room in rooms:
+def test_boxes_keep_their_margin(every):
+    """But for what carries, what leans on or near its host, and seats under tables."""
+    for room in every:
         depth = overlap_depths([i.box for i in room.items], [i.box for i in room.items])
         for a, first in enumerate(room.items):
             for b, second in enumerate(room.items[:a]):
-                if not _carries(room, first, second) and not _carries(room, second, first):
-                    assert depth[a, b] <= -MARGIN_M + 1e-5, (room.name, first.name, second.name)
+                pair = {first.attachment, second.attachment}
+                if _carries(room, first, second) or _carries(room, second, first):
+                    continue
+                if "leaning" in pair or _tucked(room, first, second):
+                    continue
+                assert depth[a, b] <= -MARGIN_M + 1e-5, (room.name, first.name, second.name)
 
 
 def _carries(room, upper, lower) -> bool:
@@ -73,52 +104,134 @@ def _carries(room, upper, lower) -> bool:
     return False
 
 
-def test_things_stand_exactly_on_the_plane_that_carries_them(rooms):
-    for room in rooms:
-        by_name = {item.name: item for item in room.items}
+def _tucked(room, first, second) -> bool:
+    """A seat, and a table, a desk, or what stands on them."""
+    for seat, other in ((first, second), (second, first)):
+        if seat.model.class_name in ("chair", "stool") and (
+            other.model.class_name in ("table", "desk")
+            or any(
+                _carries(room, other, host)
+                for host in room.items
+                if host.model.class_name in ("table", "desk")
+            )
+        ):
+            return True
+    return False
+
+
+def test_where_boxes_overlap_no_surface_reaches_into_the_other(kit_rooms):
+    """Points of either surface against the convex parts of the other, which the kit states."""
+    overlaps = 0
+    for room in kit_rooms.values():
+        depth = overlap_depths([i.box for i in room.items], [i.box for i in room.items])
+        for a, b in np.argwhere(np.triu(depth > 1e-5, 1)):
+            first, second = room.items[a], room.items[b]
+            overlaps += _tucked(room, first, second)
+            for one, other in ((first, second), (second, first)):
+                points = one.to_world(one.model.samples.points)
+                deepest = max(depth_inside(part, points).max() for part in _parts(other))
+                assert deepest < 5e-4, (room.kind, one.name, other.name, deepest)
+    assert overlaps >= 5  # seats are really pushed under
+
+
+def _parts(item):
+    poses = link_transforms(item.model.robot)
+    for link in item.model.robot.links:
+        for hull in link.hulls:
+            moved = hull.vertices @ poses[link.name][:3, :3].T + poses[link.name][:3, 3]
+            yield convex_part(item.to_world(moved))
+
+
+def test_everything_is_carried_or_fixed_or_leans(every):
+    for room in every:
+        names = {room.layout[0].name, *(item.name for item in room.items)}
         for item in room.items:
+            if item.attachment == "none":
+                assert item.parent in names and item.parent_plane is not None
+            else:
+                assert item.parent is None and item.parent_plane is None
+                assert item.attachment in ("wall", "hanging", "leaning")
+        assert any(item.attachment == "leaning" for item in room.items) or room in every[:5]
+
+
+def test_things_stand_exactly_on_the_plane_that_carries_them(every):
+    for room in every:
+        by_name = {item.name: item for item in room.items}
+        for item in (i for i in room.items if i.parent is not None):
             bottom = item.center[2] - item.scale * item.model.size[2] / 2
+            lowest = item.to_world(item.model.mesh.vertices)[:, 2].min()
             height = 0.0
             if item.parent in by_name:
                 carrier = by_name[item.parent]
                 corners = carrier.model.planes.corners[item.parent_plane]
                 height = carrier.to_world(corners)[:, 2].mean()
             assert bottom == pytest.approx(height, abs=FLOAT32_M)
+            assert lowest == pytest.approx(height, abs=CONTACT_M)
 
 
-def test_footprints_lie_within_the_plane_that_carries_them(rooms):
-    for room in rooms:
+def test_footprints_lie_on_the_surface_that_carries_them(every):
+    """Rays straight down from points of the footprint meet the carrier at once, and nothing else:
+    on a round table too, whose rectangle is larger than its top."""
+    share = np.linspace(-0.5, 0.5, 5)
+    grid = np.stack([g.ravel() for g in np.meshgrid(share, share)], 1)
+    for room in every:
         by_name = {item.name: item for item in room.items}
         for item in (i for i in room.items if i.parent in by_name):
             carrier = by_name[item.parent]
-            corners = carrier.to_world(carrier.model.planes.corners[item.parent_plane])
-            half = item.scale * item.model.size / 2
-            signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
-            turn = item.T_world_cad[:2, :2]
-            feet = (signs * half[:2]) @ turn.T + item.center[:2]
-            for k in range(4):  # counter-clockwise edges: the inside is on the left
-                edge = (corners[(k + 1) % 4] - corners[k])[:2]
-                left = edge[0] * (feet - corners[k][:2])[:, 1]
-                assert np.all(left - edge[1] * (feet - corners[k][:2])[:, 0] > 0)
+            surface = Mesh(carrier.to_world(carrier.model.mesh.vertices), carrier.model.mesh.faces)
+            local = item.scale * item.model.size * np.insert(grid, 2, -0.5, axis=1)
+            points = local @ item.T_world_cad[:3, :3].T + item.center + [0, 0, 0.001]
+            hits = RayScene([surface], [1]).cast(points, np.tile([0.0, 0, -1], (len(points), 1)))
+            assert np.abs(hits.distance - 0.001).max() < CONTACT_M, (item.name, carrier.name)
 
 
-def test_rooms_hold_what_they_promise(rooms):
-    for room in rooms:
-        classes = [item.model.class_name for item in room.items]
-        assert len(classes) >= 8 and "table" in classes and classes.count("chair") >= 2
-        assert any(item.model.articulated for item in room.items)
-        assert max(room.support_depth(item.name) for item in room.items) >= 3
+@pytest.mark.parametrize("kind", ROOM_KINDS)
+def test_each_kind_holds_what_makes_it_one(kit_rooms, kind):
+    room = kit_rooms[kind]
+    classes = [item.model.class_name for item in room.items]
+    assert room.kind == kind
+    assert all(set(classes) & wanted for wanted in MUST[kind])
+    assert 28 <= len(classes) <= 70
+    assert max(room.support_depth(item.name) for item in room.items) == 3
+    assert sum(item.attachment == "leaning" for item in room.items) >= 1
+    assert "other" not in classes and "toilet" not in classes
+
+
+def test_seats_of_a_meeting_stand_on_both_long_sides(kit_rooms):
+    room = kit_rooms["meeting"]
+    table = next(i for i in room.items if i.model.class_name == "table")
+    short = int(np.argmin(table.model.size[:2]))
+    chairs = [i for i in room.items if i.model.class_name == "chair"]
+    across = [
+        float((chair.center - table.center) @ table.T_world_cad[:3, short]) for chair in chairs
+    ]
+    near = [a for a in across if abs(a) < 1.2]
+    assert sum(a > 0.2 for a in near) >= 2 and sum(a < -0.2 for a in near) >= 2
+
+
+def test_rooms_hold_what_they_promise(every):
+    for room in every:
         ids = [p.id for p in room.layout] + [i.id for i in room.items]
-        assert ids == list(range(1, len(ids) + 1))
+        assert ids == list(range(1, len(ids) + 1)) and len(room.items) >= 8
+        assert max(room.support_depth(item.name) for item in room.items) == 3
         assert all(0.9 <= item.scale <= 1.1 for item in room.items)
+        assert all(
+            set(room_classes) & wanted
+            for wanted in MUST[room.kind]
+            for room_classes in [[i.model.class_name for i in room.items]]
+        )
 
 
-def test_everything_stands_between_the_walls(rooms, entities):
-    for room, scene in zip(rooms, entities, strict=False):
-        for patch in room.layout[1:]:
-            for entity in scene.items[len(room.layout) :]:
-                gap = (entity.mesh.vertices - patch.corners[0]) @ patch.normal
-                assert gap.min() >= MARGIN_M - 1e-4
+def test_everything_stands_between_the_walls(every):
+    """What stands free keeps 2 cm; what is fixed or leans may touch; frames are in their walls."""
+    for room in every:
+        for item in (i for i in room.items if i.model.mount != "opening"):
+            least = MARGIN_M if item.attachment == "none" else 0.0
+            points = item.to_world(item.model.mesh.vertices)
+            for patch in room.layout[1:]:
+                gap = (points - patch.corners[0]) @ patch.normal
+                least_here = 0.0 if patch.class_name == "ceiling" else least
+                assert gap.min() >= least_here - 1e-4, (room.name, item.name, patch.name)
 
 
 def test_the_walls_do_not_follow_the_axes(rooms):
@@ -167,16 +280,19 @@ def test_the_truth_passes_the_schema_and_comes_back(rooms, tmp_path: Path):
         for item in room.items:
             record = scene.entity(item.name)
             assert record.parent == item.parent and record.cad.id == item.model.id
+            assert record.attachment == item.attachment
             np.testing.assert_allclose(record.cad.T_world_cad, item.T_world_cad, atol=1e-6)
             assert record.type == ("articulated" if item.model.articulated else "rigid")
         assert all(scene.entity(p.name).parent == ROOM_NAME for p in room.layout)
-        assert scene.proximal == ()
+        # Without seats under tables and things that lean, no boxes overlap.
+        may = ("chair", "stool", "book")
+        assert all(a.startswith(may) or b.startswith(may) for a, b, _ in scene.proximal)
 
 
 def test_the_support_plane_of_the_truth_is_below_the_thing(rooms):
     for room in rooms[:3]:
         scene = truth_scene(room)
-        for record in scene.entities[len(room.layout) :]:
+        for record in (r for r in scene.entities[len(room.layout) :] if r.attachment == "none"):
             plane = scene.entity(record.parent).planes[record.support_plane]
             bottom = record.box.center[2] - record.box.size[2] / 2
             assert plane.normal[2] > 0.99
@@ -204,15 +320,34 @@ def test_the_same_seed_makes_the_same_room(library):
     assert not np.array_equal(first.size, other.size)
 
 
-def test_four_classes_are_enough():
+def test_four_classes_are_enough_and_notes_say_what_is_missing():
     cups, cabinets = block_model("cup/a", (0.08, 0.08, 0.1)), cabinet_model()
-    room = make_room(1, library_of(table_model(), chair_model(), cabinets, cups))
+    room = make_room(1, library_of(table_model(), chair_model(), cabinets, cups), kind="kitchen")
     assert max(room.support_depth(item.name) for item in room.items) == 2
+    assert {item.model.class_name for item in room.items} == {"table", "chair", "cabinet", "cup"}
+    lacking = next(note for note in room.notes if note.startswith("the library has nothing for"))
+    assert "fridge" in lacking and "dining chair" not in lacking
 
 
 def test_a_library_without_chairs_is_refused():
     with pytest.raises(LibraryError, match="chair"):
         make_room(0, library_of(table_model(), cabinet_model(), block_model("cup/a", (0.1,) * 3)))
+
+
+def test_a_kind_that_the_library_cannot_furnish_is_refused(library):
+    with pytest.raises(LibraryError, match="bed"):
+        make_room(0, library, kind="bedroom")
+    with pytest.raises(SettingError, match="living"):
+        make_room(0, library, kind="ballroom")
+
+
+def test_the_builtin_room_shows_every_rule():
+    room = builtin_room(default_library())
+    held = {item.model.class_name for item in room.items}
+    assert held >= {"fridge", "oven", "wall_cabinet", "table", "chair", "desk", "book", "cup"}
+    assert {"none", "wall", "leaning"} <= {item.attachment for item in room.items}
+    assert 30 <= len(room.items) <= 46
+    assert any(item.model.articulated for item in room.items)
 
 
 def test_cut_edges_keeps_the_surface():

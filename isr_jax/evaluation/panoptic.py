@@ -1,7 +1,14 @@
-"""Panoptic quality from the points that true and predicted segments share."""
+"""Panoptic quality from the points that true and predicted segments share.
+
+Two averages over classes are in use, and this module gives both: over every class that occurs in
+the truth or in the prediction, where a class without a match counts 0 (the unmarked names), and
+over the classes with a match alone (``*_matched``); published SQ figures often are of the second
+kind.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 
 import equinox as eqx
@@ -9,7 +16,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Float, Int
 
+from ..classes import classes
 from ..types import Array
+from .figures import Headline, mean, percent
 
 MATCH_IOU = 0.5
 """Above it, at most one predicted segment can match a true one (Kirillov et al. 2019)."""
@@ -90,3 +99,78 @@ def panoptic_quality(
     rq = tp / jnp.maximum(tp + 0.5 * fp + 0.5 * fn, 0.5)
     partner = jnp.where(found, jnp.argmax(matched_iou, 1), -1).astype(jnp.int32)
     return PanopticQuality(sq * rq, sq, rq, tp, fp, fn, partner, matched_iou.max(1, initial=0.0))
+
+
+@dataclasses.dataclass(frozen=True)
+class ClassQuality:
+    """Panoptic quality of one class."""
+
+    class_name: str
+    kind: str
+    """``thing``, or ``stuff`` (layout and stuff: one segment a class)."""
+    pq: float
+    sq: float
+    rq: float
+    true_positives: int
+    false_positives: int
+    false_negatives: int
+
+
+@dataclasses.dataclass(frozen=True)
+class PanopticScores:
+    """Averages over classes."""
+
+    pq: float
+    """Over all classes in truth or prediction, as `sq`, `rq`, `pq_things` and `pq_stuff`."""
+    sq: float
+    rq: float
+    pq_things: float | None
+    pq_stuff: float | None
+    pq_matched: float | None
+    """Over classes with a match alone, as `sq_matched` and `rq_matched`."""
+    sq_matched: float | None
+    rq_matched: float | None
+    classes: tuple[ClassQuality, ...]
+
+    @staticmethod
+    def over(classes: tuple[ClassQuality, ...]) -> PanopticScores:
+        """Average the rows."""
+        matched = [c for c in classes if c.true_positives]
+        return PanopticScores(
+            pq=mean(c.pq for c in classes) or 0.0,
+            sq=mean(c.sq for c in classes) or 0.0,
+            rq=mean(c.rq for c in classes) or 0.0,
+            pq_things=mean(c.pq for c in classes if c.kind == "thing"),
+            pq_stuff=mean(c.pq for c in classes if c.kind == "stuff"),
+            pq_matched=mean(c.pq for c in matched),
+            sq_matched=mean(c.sq for c in matched),
+            rq_matched=mean(c.rq for c in matched),
+            classes=classes,
+        )
+
+    def headline(self) -> Headline:
+        matched = sum(c.true_positives > 0 for c in self.classes)
+        all_classes = f"all {len(self.classes)} classes"
+        return (
+            (f"PQ / SQ / RQ, {all_classes}", percent(self.pq, self.sq, self.rq)),
+            (
+                f"PQ / SQ / RQ, {matched} matched classes only",
+                percent(self.pq_matched, self.sq_matched, self.rq_matched),
+            ),
+            (f"PQ things / stuff, {all_classes}", percent(self.pq_things, self.pq_stuff)),
+        )
+
+
+def panoptic_scores(quality: PanopticQuality) -> PanopticScores:
+    """Scores a class and their averages."""
+    rows = []
+    for info in classes():
+        tp, fp, fn = (
+            int(v[info.id])
+            for v in (quality.true_positives, quality.false_positives, quality.false_negatives)
+        )
+        if tp + fp + fn:
+            pq, sq, rq = (float(v[info.id]) for v in (quality.pq, quality.sq, quality.rq))
+            kind = "thing" if info.kind == "thing" else "stuff"
+            rows.append(ClassQuality(info.name, kind, pq, sq, rq, tp, fp, fn))
+    return PanopticScores.over(tuple(rows))

@@ -11,14 +11,11 @@ from jaxtyping import Float, Int
 from ..errors import SceneError
 from ..geometry.boxes import canonical_box
 from ..scene_file import SceneFile, read_scene
-from ..types import Box
+from ..types import Box, Mesh
+from .ply_files import read_ply
 
-_TYPES = {
-    "char": "i1", "uchar": "u1", "short": "<i2", "ushort": "<u2", "int": "<i4", "uint": "<u4",
-    "float": "<f4", "double": "<f8", "int8": "i1", "uint8": "u1", "int16": "<i2", "uint16": "<u2",
-    "int32": "<i4", "uint32": "<u4", "float32": "<f4", "float64": "<f8",
-}  # fmt: skip
 _COLUMNS = ("x", "y", "z", "instance", "class")
+_TRUTH_HINT = "give the folder truth/ of a rendered sequence"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -28,6 +25,7 @@ class Result:
     scene: SceneFile
     points: Float[np.ndarray, "vertices 3"]
     """Of the panoptic map, in the truth's world."""
+    faces: Int[np.ndarray, "faces 3"]
     instance: Int[np.ndarray, " vertices"]
     """0 = none."""
     class_id: Int[np.ndarray, " vertices"]
@@ -42,34 +40,56 @@ class Truth:
     scene: SceneFile
     points: Float[np.ndarray, "points 3"]
     instance: Int[np.ndarray, " points"]
-    """Id of the entity; 0 = none."""
+    """Id of the entity or of the item of stuff; 0 = none."""
+    class_id: Int[np.ndarray, " points"] | None
+    """Row of `classes.CLASSES`, so that stuff is known that is no entity; None in files that do
+    not say, whose stuff is layout alone."""
+    mesh: Mesh | None
+    """The whole open surface of all that stands in the room; None where the folder has none."""
 
 
 def read_truth(folder: Path) -> Truth:
-    """Read ``scene.json`` and ``observed.npz`` of a truth folder."""
+    """Read ``scene.json``, ``observed.npz`` and ``meshes/`` of a truth folder."""
     scene = read_scene(folder / "scene.json")
     path = folder / "observed.npz"
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
             points, instance = data["points"], data["instance"]
+            class_id = data["class_id"].astype(np.int64) if "class_id" in data else None
     except (OSError, ValueError, KeyError) as error:
-        raise SceneError(
-            f"{path} cannot be read: {error}", "give the folder truth/ of a rendered sequence"
-        ) from None
-    if not (points.ndim == 2 and points.shape == (len(instance), 3)):
-        raise SceneError(f"{path}: points {points.shape}, instance {instance.shape}", "render anew")
-    return Truth(scene, points.astype(np.float64), instance.astype(np.int64))
+        raise SceneError(f"{path} cannot be read: {error}", _TRUTH_HINT) from None
+    columns = [instance.shape] + ([] if class_id is None else [class_id.shape])
+    if points.shape != (len(points), 3) or any(c != (len(points),) for c in columns):
+        raise SceneError(f"{path}: points {points.shape}, but {columns}", "render anew")
+    mesh = _whole_surface(folder / "meshes")
+    return Truth(scene, points.astype(np.float64), instance.astype(np.int64), class_id, mesh)
+
+
+def _whole_surface(folder: Path) -> Mesh | None:
+    """All meshes of a folder as one."""
+    parts = [read_ply(path, ("x", "y", "z"), _TRUTH_HINT) for path in sorted(folder.glob("*.ply"))]
+    if not parts:
+        return None
+    starts = np.cumsum([0, *(len(table) for table, _ in parts[:-1])])
+    vertices = np.concatenate([_positions(table) for table, _ in parts])
+    faces = np.concatenate([f + start for (_, f), start in zip(parts, starts, strict=True)])
+    return Mesh(vertices.astype(np.float32), faces.astype(np.int32))
+
+
+def _positions(table: np.ndarray) -> Float[np.ndarray, "vertices 3"]:
+    return np.stack([table[c] for c in "xyz"], 1).astype(np.float64)
 
 
 def read_result(folder: Path, truth: Truth) -> Result:
     """Read ``scene.json`` and ``map/panoptic.ply`` of a results folder."""
     scene = read_scene(folder / "scene.json")
-    table = read_vertices(folder / "map" / "panoptic.ply")
+    hint = "map/panoptic.ply is written by `isr run`"
+    table, faces = read_ply(folder / "map" / "panoptic.ply", _COLUMNS, hint)
     T = truth.scene.T_world_dataset @ np.linalg.inv(scene.T_world_dataset)
-    points = np.stack([table[c] for c in "xyz"], 1).astype(np.float64)
     return Result(
         scene,
-        points @ T[:3, :3].T + T[:3, 3],
+        _positions(table) @ T[:3, :3].T + T[:3, 3],
+        faces,
         table["instance"].astype(np.int64),
         table["class"].astype(np.int64),
         T,
@@ -81,27 +101,3 @@ def moved_box(box: Box, T: Float[np.ndarray, "4 4"]) -> Box:
     yaw = float(np.arctan2(T[1, 0], T[0, 0]))
     center = T[:3, :3] @ np.asarray(box.center, np.float64) + T[:3, 3]
     return canonical_box(center, float(box.yaw) + yaw, np.asarray(box.size))
-
-
-def read_vertices(path: Path) -> np.ndarray:
-    """The vertex table of a binary PLY; `SceneError` unless it has a label a vertex."""
-    hint = "map/panoptic.ply is written by `isr run`"
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise SceneError(f"{path}: {error.strerror}", hint) from None
-    head, mark, body = data.partition(b"end_header\n")
-    lines = [line.split() for line in head.decode("ascii", "replace").splitlines()]
-    if not mark or ["format", "binary_little_endian", "1.0"] not in lines:
-        raise SceneError(f"{path} is no binary little-endian PLY", hint)
-    first = next((i for i, line in enumerate(lines) if line[:2] == ["element", "vertex"]), None)
-    if first is None:
-        raise SceneError(f"{path} has no vertices", hint)
-    rows = lines[first + 1 :]
-    end = next((i for i, line in enumerate(rows) if line[:1] != ["property"]), len(rows))
-    dtype = np.dtype([(line[-1], _TYPES[line[1]]) for line in rows[:end]])
-    missing = [c for c in _COLUMNS if c not in (dtype.names or ())]
-    count = int(lines[first][2])
-    if missing or len(body) < count * dtype.itemsize:
-        raise SceneError(f"{path} lacks {', '.join(missing) or 'some of its vertices'}", hint)
-    return np.frombuffer(body, dtype, count)

@@ -5,9 +5,10 @@ from .furnish import builtin_room, make_room
 from .noise import NO_NOISE
 from .render import render_sequence
 from .room import LayoutPatch, PlacedModel, Room
-from .truth import true_entities, truth_scene
+from .truth import true_entities, true_graph, true_placements, truth_scene
+from .truth_files import write_truth
 
-VERSION: int = 2
+VERSION: int = 3
 
 __all__ = [
     "NO_NOISE",
@@ -20,5 +21,8 @@ __all__ = [
     "make_room",
     "render_sequence",
     "true_entities",
+    "true_graph",
+    "true_placements",
     "truth_scene",
+    "write_truth",
 ]

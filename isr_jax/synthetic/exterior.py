@@ -62,7 +62,7 @@ def _plane_rows(model: CadModel) -> Iterator[tuple[np.ndarray, np.ndarray]]:
 
 def open_planes(model: CadModel) -> np.ndarray:
     """[planes] bool: which planes of a model can be seen from outside, joints closed."""
-    return np.array(_open_planes(model))
+    return np.array(_open_planes(model), bool)
 
 
 @functools.lru_cache(maxsize=512)

@@ -1,6 +1,6 @@
-"""Where furniture stands: along walls, on walls, in the middle. Room frame, origin mid-floor.
+"""Where furniture stands: along walls, beside and before other furniture, in the middle.
 
-A model's front is -y: a yaw of 0 turns its back to the wall at +y.
+Room frame, origin mid-floor. A model's front is -y: a yaw of 0 turns its back to the wall at +y.
 """
 
 from __future__ import annotations
@@ -8,140 +8,163 @@ from __future__ import annotations
 import numpy as np
 
 from ..cad_types import CadModel
-from .placement import (
-    MARGIN_M,
-    ON_FLOOR,
-    ON_NOTHING,
-    TRIES,
-    Occupancy,
-    Proposal,
-    Stock,
-    rotation_2d,
-)
+from .placement import MARGIN_M, TRIES, Occupancy, extent
+from .proposal import ON_FLOOR, Proposal
+from .recipe import AtWall, OnFloor, Roles, Run
+from .stock import Stock
 
-_WALL_YAWS = (0.0, -np.pi / 2, np.pi, np.pi / 2)
+WALL_YAWS = (0.0, -np.pi / 2, np.pi, np.pi / 2)
 """Yaw of what has its back to the wall at +y, +x, -y, -x."""
-_KITCHEN = ("fridge", "cabinet", "counter", "cabinet", "dishwasher", "oven", "cabinet")
-_CLEAR_FRONT_M = {"desk": 0.9, "sofa": 0.5, "bookshelf": 0.5, "bed": 0.4, "wardrobe": 0.5}
-_HANGING_HEIGHT_M = 1.45
-"""Of the lower edge of what hangs on a wall."""
+_STEP_M = 0.08
+_RUN_SCALE = (0.97, 1.03)
+"""Of all units of a run: their tops are at one height."""
+_LEAST_RUN = 2
 
 
-def kitchen_run(space: Occupancy, stock: Stock, rng: np.random.Generator) -> None:
-    """Fridge, cabinets and counters side by side along one wall."""
-    wall = int(rng.integers(4))
-    end = float(space.half[wall % 2])
-    along = -end + float(rng.uniform(0.03, 0.10))
-    for class_name in (name for name in _KITCHEN if name in stock):
-        model, scale = stock.draw(class_name, _fits_kitchen)
-        left, right = _extent(model, scale, 0)
-        # Seen from the room, walls 0 and 3 run along the model's +x, the others against it.
-        middle = along - left if wall in (0, 3) else along + right
-        placed = space.add_first([_at_wall(space, model, scale, wall, middle, 0.03)], 0.4)
-        if placed is not None:
-            along += right - left + float(rng.uniform(0.025, 0.05))
+def place_run(space: Occupancy, stock: Stock, rng: np.random.Generator, step: Run) -> bool:
+    """Units side by side along the wall that takes the most of them, tall ones at its end."""
+    drawn = [found for roles in step.units if (found := stock.first(roles)) is not None]
+    scale = float(rng.uniform(*_RUN_SCALE))
+    start = float(rng.uniform(0.03, 0.10))
+    gaps = rng.uniform(MARGIN_M + 0.003, 0.04, len(drawn))
+    walls = rng.permutation(4)
+    runs = [_run_along(space, drawn, scale, int(wall), start, gaps) for wall in walls]
+    best = max(runs, key=len)
+    for proposal in best:
+        space.add(proposal, 0.45)
+    return len(best) >= min(_LEAST_RUN, len(drawn))
+
+
+def _run_along(
+    space: Occupancy,
+    drawn: list[tuple[str, CadModel, float]],
+    scale: float,
+    wall: int,
+    start: float,
+    gaps: np.ndarray,
+) -> list[Proposal]:
+    """What finds a place, in order, from one end of a wall to the other."""
+    found, end = [], float(space.half[wall % 2])
+    along = -end + start
+    for (role, model, _), gap in zip(drawn, gaps, strict=True):
+        left, right = scaled_extent(model, scale, 0)
+        reach = along
+        while reach + right - left < end:
+            # Seen from the room, walls 0 and 3 run along the model's +x, the others against it.
+            middle = reach - left if wall in (0, 3) else reach + right
+            proposal = at_wall(space, role, model, scale, wall, middle, 0.03)
+            if space.first_free([proposal], 0.45) is not None:
+                found.append(proposal)
+                along = reach + right - left + float(gap)
+                break
+            reach += _STEP_M
+    return found
+
+
+def place_at_walls(space: Occupancy, stock: Stock, rng: np.random.Generator, step: AtWall) -> None:
+    """Single things along the walls."""
+    for _ in range(int(rng.integers(step.count[0], step.count[1] + 1))):
+        stand_at_wall(space, stock, rng, step.roles, step.front_m)
 
 
 def stand_at_wall(
-    space: Occupancy, stock: Stock, rng: np.random.Generator, class_name: str
+    space: Occupancy,
+    stock: Stock,
+    rng: np.random.Generator,
+    roles: Roles,
+    front_m: float,
+    *,
+    wall: int | None = None,
+    along_m: float | None = None,
+    near_m: float = 0.4,
+    beside_m: float = 0.0,
 ) -> int | None:
-    """One thing with its back to any wall with space for it; its position, or None."""
-    model, scale = stock.draw(class_name)
-    proposals = []
-    for _ in range(TRIES):
-        wall = int(rng.integers(4))
-        reach = float(space.half[wall % 2]) - max(map(abs, _extent(model, scale, 0))) - 0.05
-        along = float(rng.uniform(-1, 1)) * max(reach, 0.0)
-        gap = float(rng.uniform(0.025, 0.06))
-        proposals.append(_at_wall(space, model, scale, wall, along, gap))
-    return space.add_first(proposals, _CLEAR_FRONT_M.get(class_name, 0.1))
+    """One thing with its back to a wall, or None.
 
-
-def hang_on_wall(
-    space: Occupancy, stock: Stock, rng: np.random.Generator, class_name: str
-) -> int | None:
-    """One thing on a wall, above cabinets where there are any."""
-    model, scale = stock.draw(class_name)
-    below = space.positions("cabinet", "counter")
-    proposals = []
-    for _ in range(TRIES):
-        wall, along = int(rng.integers(4)), float(rng.uniform(-1, 1))
-        if below:
-            base = space.placed[below[int(rng.integers(len(below)))]]
-            wall = _WALL_YAWS.index(base.yaw)
-            along = float(base.center[wall % 2] + rng.uniform(-0.3, 0.3))
-        at = _at_wall(space, model, scale, wall, along, MARGIN_M + 0.001)
-        center = np.array([*at.center[:2], _HANGING_HEIGHT_M + scale * model.size[2] / 2])
-        proposals.append(Proposal(model, scale, at.yaw, center, ON_NOTHING))
-    return space.add_first(proposals)
-
-
-def table_with_chairs(
-    space: Occupancy, stock: Stock, rng: np.random.Generator, chairs: int
-) -> int | None:
-    """A turned table in the middle with chairs that face it; None with fewer than two."""
-    model, scale = stock.draw("table", _seats_people)
-    proposals = []
-    for _ in range(TRIES):
-        x, y = rng.uniform(-0.5, 0.5, 2) * np.maximum(space.half - 1.5, 0)
-        yaw = rng.uniform(-0.35, 0.35) + np.pi / 2 * rng.integers(4)
-        proposals.append(_standing(model, scale, float(yaw), float(x), float(y)))
-    table = space.add_first(proposals)
-    if table is None:
+    Args:
+        front_m: Space that stays clear before it.
+        wall: 0..3; None: any.
+        along_m: Where about on that wall, give or take ``near_m``; None: anywhere.
+        beside_m: Least distance from the corners, where the wall is long enough.
+    """
+    found = stock.first(roles)
+    if found is None:
         return None
-    sides = rng.permutation(4)[:chairs]
-    seated = [chair_at(space, stock, rng, table, int(side)) for side in sides]
-    return table if sum(seat is not None for seat in seated) >= 2 else None
+    role, model, scale = found
+    proposals = []
+    for _ in range(2 * TRIES):
+        at = int(rng.integers(4)) if wall is None else wall
+        reach = float(space.half[at % 2]) - max(map(abs, scaled_extent(model, scale, 0))) - 0.03
+        reach = max(reach - beside_m, min(reach, 0.1), 0.0)
+        along = float(rng.uniform(-1, 1)) * reach
+        if along_m is not None:
+            along = float(np.clip(along_m + rng.uniform(-near_m, near_m), -reach, reach))
+        gap = float(rng.uniform(0.025, 0.05))
+        proposals.append(at_wall(space, role, model, scale, at, along, gap))
+    position = space.add_first(proposals, front_m)
+    if position is None:
+        space.notes.append(f"no wall has space for {model.id}")
+    return position
 
 
-def chair_at(
-    space: Occupancy, stock: Stock, rng: np.random.Generator, host: int, side: int
-) -> int | None:
-    """A chair that faces a side (0 front, then counter-clockwise) of a thing."""
-    model, scale = stock.draw("chair")
+def stand_beside(
+    space: Occupancy, rng: np.random.Generator, role: str, model: CadModel, scale: float,
+    host: int, side: float,
+) -> int | None:  # fmt: skip
+    """One thing at the wall of its host, close to its right (``side`` 1) or left (-1)."""
     under = space.placed[host]
-    outline = under.scale * under.model.mesh.vertices[:, :2]
-    normal = np.array([(0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)][side])
-    tangent = np.array([-normal[1], normal[0]])
-    edge, half = (outline @ normal).max(), (outline @ tangent).max()
-    depth = -_extent(model, scale, 1)[0]
-    facing = under.yaw + np.arctan2(normal[1], normal[0]) - np.pi / 2
+    wall = wall_of(under.yaw)
     proposals = []
     for _ in range(TRIES):
-        out = edge + depth + MARGIN_M + rng.uniform(0.03, 0.12)
-        slide = rng.uniform(-0.3, 0.3) * half
-        at = under.center[:2] + rotation_2d(under.yaw) @ (out * normal + slide * tangent)
-        yaw = facing + rng.uniform(-0.15, 0.15)
-        proposals.append(_standing(model, scale, float(yaw), *at.tolist()))
+        reach = scaled_extent(under.model, under.scale, 0)[int(side > 0)]
+        own = scaled_extent(model, scale, 0)[int(side < 0)]
+        out = abs(reach) + abs(own) + MARGIN_M + float(rng.uniform(0.01, 0.06))
+        right = np.array([np.cos(under.yaw), np.sin(under.yaw)])
+        along = float((under.center[:2] + side * out * right)[wall % 2])
+        gap = float(rng.uniform(0.025, 0.05))
+        proposals.append(at_wall(space, role, model, scale, wall, along, gap))
     return space.add_first(proposals)
 
 
-def _fits_kitchen(model: CadModel) -> bool:
-    """Worktop height, and depth of a run; fridges may be tall."""
-    low, high = (0.75, 2.1) if model.class_name == "fridge" else (0.7, 1.05)
-    return bool(low < model.size[2] < high and model.size[0] < 2.0 and model.size[1] < 0.8)
+def place_on_floor(space: Occupancy, stock: Stock, rng: np.random.Generator, step: OnFloor) -> None:
+    """Rugs, wherever nothing stands."""
+    for _ in range(int(rng.integers(step.count[0], step.count[1] + 1))):
+        found = stock.first(step.roles)
+        if found is None:
+            return
+        role, model, scale = found
+        proposals = []
+        for _ in range(2 * TRIES):
+            x, y = rng.uniform(-1, 1, 2) * (space.half - 0.2)
+            yaw = rng.uniform(-0.1, 0.1) + np.pi / 2 * rng.integers(4)
+            proposals.append(standing(role, model, scale, float(yaw), float(x), float(y)))
+        if space.add_first(proposals) is None:
+            space.notes.append(f"no free floor for {model.id}")
 
 
-def _seats_people(model: CadModel) -> bool:
-    return bool(0.65 < model.size[2] < 0.85 and model.size[:2].max() > 0.7)
+def wall_of(yaw: float) -> int:
+    """Which wall 0..3 (+y, +x, -y, -x) is at the back of what has this yaw."""
+    return int(np.argmax([np.cos(yaw - wall) for wall in WALL_YAWS]))
 
 
-def _extent(model: CadModel, scale: float, axis: int) -> tuple[float, float]:
-    """From where to where the whole mesh reaches along one of the model's axes."""
-    values = model.mesh.vertices[:, axis]
-    return float(values.min()) * scale, float(values.max()) * scale
+def scaled_extent(model: CadModel, scale: float, axis: int) -> tuple[float, float]:
+    """From where to where the whole mesh reaches along one of the model's axes, metres."""
+    low, high = extent(model)
+    return float(low[axis]) * scale, float(high[axis]) * scale
 
 
-def _standing(model: CadModel, scale: float, yaw: float, x: float, y: float) -> Proposal:
-    center = np.array([x, y, scale * model.size[2] / 2])
-    return Proposal(model, scale, float(yaw), center, ON_FLOOR)
+def standing(role: str, model: CadModel, scale: float, yaw: float, x: float, y: float) -> Proposal:
+    """Upright on the floor."""
+    center = np.array([x, y, scale * float(model.size[2]) / 2])
+    return Proposal(model, scale, float(yaw), center, ON_FLOOR, role=role)
 
 
-def _at_wall(
-    space: Occupancy, model: CadModel, scale: float, wall: int, along: float, gap_m: float
-) -> Proposal:
-    """Back to wall 0..3 (+y, +x, -y, -x), ``gap_m`` before it."""
-    back = _extent(model, scale, 1)[1]
+def at_wall(
+    space: Occupancy, role: str, model: CadModel, scale: float, wall: int, along: float,
+    gap_m: float,
+) -> Proposal:  # fmt: skip
+    """On the floor, back to wall 0..3 (+y, +x, -y, -x), ``gap_m`` before it."""
+    back = scaled_extent(model, scale, 1)[1]
     out = (float(space.half[1 - wall % 2]) - gap_m - back) * (1.0 if wall < 2 else -1.0)
     x, y = (along, out) if wall % 2 == 0 else (out, along)
-    return _standing(model, scale, _WALL_YAWS[wall], x, y)
+    return standing(role, model, scale, WALL_YAWS[wall], x, y)

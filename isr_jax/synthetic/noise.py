@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy import ndimage
 
 from ..config import NoiseModel
 from ..types import Camera
+from .projector import unlit
 
 NO_NOISE = NoiseModel(
     axial_m=0.0,
     axial_growth_per_m=0.0,
     grazing_m=0.0,
     lateral_px=0.0,
+    lateral_growth_px=0.0,
     disparity_step_px=0.0,
+    projector_shadow=False,
     edge_dropout=0.0,
     dropout=0.0,
+    least_return=0.0,
     grazing_limit=np.pi,
     range_min_m=0.0,
     range_max_m=100.0,
@@ -23,6 +28,8 @@ NO_NOISE = NoiseModel(
 """True depth, to the millimetre of the files."""
 _EDGE_RATIO = 0.02
 """A step between neighbours beyond this share of the depth is an edge."""
+_FLATTEST_RAD = 1.5
+"""Angles above this count as this one: the published terms have a pole at pi/2."""
 
 
 def axial_sigma_m(
@@ -37,20 +44,43 @@ def axial_sigma_m(
     The model that Nguyen, Izadi and Lovell (3DIMPVT 2012) fitted to a Kinect, in metres. They
     give the last term for theta above 60 degrees; it is small below.
     """
-    z = np.maximum(depth_m, 0.1)
-    angle = np.minimum(incidence, 1.5)
-    grazing = noise.grazing_m / np.sqrt(z) * (angle / (np.pi / 2 - angle)) ** 2
-    return noise.axial_m + noise.axial_growth_per_m * (z - 0.4) ** 2 + grazing
+    z = np.maximum(depth_m, np.float32(0.1))
+    grazing = _towards_grazing(incidence)
+    grazing = np.float32(noise.grazing_m) / np.sqrt(z) * grazing * grazing
+    off = z - np.float32(0.4)
+    return np.float32(noise.axial_m) + np.float32(noise.axial_growth_per_m) * off * off + grazing
+
+
+def lateral_sigma_px(
+    noise: NoiseModel, incidence: Float[np.ndarray, "*shape"]
+) -> Float[np.ndarray, "*shape"]:
+    """Standard deviation of where an edge is seen, pixels.
+
+    sigma_L = a + b theta / (pi/2 - theta),   a = 0.8, b = 0.035
+
+    The lateral part of Nguyen, Izadi and Lovell (3DIMPVT 2012); times z / f it is in metres.
+    """
+    growth = np.float32(noise.lateral_growth_px) * _towards_grazing(incidence)
+    return np.float32(noise.lateral_px) + growth
+
+
+def _towards_grazing(incidence: np.ndarray) -> np.ndarray:
+    angle = np.minimum(incidence, np.float32(_FLATTEST_RAD))
+    return angle / (np.float32(np.pi / 2) - angle)
 
 
 def quantum_m(
     noise: NoiseModel, camera: Camera, depth_m: Float[np.ndarray, "*shape"]
 ) -> Float[np.ndarray, "*shape"]:
-    """Step of the depth between neighbouring disparities: z^2 q / (f b), metres."""
+    """Step of the depth between neighbouring disparities: z^2 q / (f b), metres.
+
+    With q = 1/8 px, b = 75 mm and f = 585 px it is 2.85e-3 z^2: Khoshelham and Oude Elberink
+    (Sensors 12, 2012) measured 7 cm at 5 m, which is 2.8e-3 z^2.
+    """
     focal_baseline = camera.fx * noise.baseline_m
     if focal_baseline * noise.disparity_step_px == 0:
         return np.zeros_like(depth_m)
-    return depth_m**2 * np.float32(noise.disparity_step_px / focal_baseline)
+    return depth_m * depth_m * np.float32(noise.disparity_step_px / focal_baseline)
 
 
 def sensor_depth(
@@ -59,12 +89,17 @@ def sensor_depth(
     camera: Camera,
     noise: NoiseModel,
     rng: np.random.Generator,
+    *,
+    albedo: Float[np.ndarray, "height width"] | None = None,
 ) -> Float[np.ndarray, "height width"]:
     """What the sensor returns for true depth; 0 = no return.
 
-    Edges wander sideways by a Gaussian of ``lateral_px`` pixels; depth gets Gaussian noise of
+    Edges wander sideways by a Gaussian of `lateral_sigma_px`; depth gets Gaussian noise of
     `axial_sigma_m` less what the rounding of the disparity to steps of q adds by itself
-    (uniform: quantum / sqrt 12); pixels at edges, at grazing angles and out of range are lost.
+    (uniform: quantum / sqrt 12), part of it in common with the neighbours (`correlated`). Lost
+    are a share of the pixels at edges (a window that straddles a step matches neither side; the
+    share is a choice of ours), what the projector does not light (`projector.unlit`), what
+    returns too little (`too_dim`), surfaces seen too flat, and what is out of range.
 
     Args:
         depth_m: Along the optical axis; 0 = nothing there.
@@ -72,19 +107,78 @@ def sensor_depth(
         camera: Its focal length turns disparities into depth.
         noise: The sensor.
         rng: Source of all randomness.
+        albedo: In [0, 1]; None: nothing is too dark.
     """
     edges = depth_edges(depth_m)
     moved, angle = _wander(depth_m, incidence, edges, noise, rng)
-    step = quantum_m(noise, camera, moved)
     sigma = axial_sigma_m(noise, moved, angle)
-    spread = np.sqrt(np.maximum(sigma**2 - step**2 / 12, 0)).astype(np.float32)
-    noisy = moved + spread * rng.standard_normal(moved.shape, np.float32)
+    step = quantum_m(noise, camera, moved)
+    spread = np.sqrt(np.maximum(sigma * sigma - step * step * np.float32(1 / 12), 0))
+    noisy = moved + spread * _unit_noise(moved.shape, noise, rng)
     noisy = _quantised(noisy, noise, camera)
-    lost = rng.random(moved.shape, np.float32)
-    keep = lost >= np.where(edges, max(noise.edge_dropout, noise.dropout), noise.dropout)
+    draw = rng.random(moved.shape, np.float32)
+    keep = draw >= np.where(
+        edges, np.float32(max(noise.edge_dropout, noise.dropout)), noise.dropout
+    )
     keep &= (moved > 0) & (angle < noise.grazing_limit)
     keep &= (noisy >= noise.range_min_m) & (noisy <= noise.range_max_m)
+    if noise.projector_shadow:
+        keep &= ~unlit(depth_m, camera.fx * noise.baseline_m)
+    if noise.least_return > 0 and albedo is not None:
+        keep &= ~too_dim(noise, moved, angle, albedo, rng.random(moved.shape, np.float32))
     return np.where(keep, noisy, np.float32(0)).astype(np.float32)
+
+
+def too_dim(
+    noise: NoiseModel,
+    depth_m: Float[np.ndarray, "*shape"],
+    incidence: Float[np.ndarray, "*shape"],
+    albedo: Float[np.ndarray, "*shape"],
+    draw: Float[np.ndarray, "*shape"],
+) -> Bool[np.ndarray, "*shape"]:
+    """Whether the pattern comes back too faint: with probability 2 - s / s_0, within [0, 1].
+
+    s = albedo cos(theta) / z^2 is what a Lambertian surface returns of a lamp at the camera;
+    s_0 = ``noise.least_return``. Gloss is not modelled.
+
+    Args:
+        noise: The sensor.
+        depth_m: Along the optical axis.
+        incidence: Angle between ray and surface normal, radians.
+        albedo: In [0, 1].
+        draw: Uniform in [0, 1).
+    """
+    least = np.float32(noise.least_return)
+    returned = albedo * np.cos(incidence)
+    return returned < least * (2 - draw) * depth_m * depth_m
+
+
+def correlated(
+    shape: tuple[int, int], window_px: int, rng: np.random.Generator
+) -> Float[np.ndarray, "height width"]:
+    """Gaussian noise of unit variance that neighbours have in common.
+
+    The mean of white noise over a window, scaled: two pixels (i, j) apart correlate by
+    (1 - |i|/w)(1 - |j|/w), the overlap of their windows. A structured-light camera matches
+    windows, so disparities err together over one (Barron and Malik, CVPR 2013, and Handa et al.,
+    ICRA 2014, shift image points locally before they round the disparity; Bohg et al., ICRA 2014,
+    match windows); a Kinect's is 9 x 9 (Khoshelham and Oude Elberink 2012).
+    """
+    around = 2 * (window_px // 2)
+    white = rng.standard_normal((shape[0] + around, shape[1] + around), np.float32)
+    mean = ndimage.uniform_filter(white, window_px, mode="constant")
+    half = window_px // 2
+    return mean[half : half + shape[0], half : half + shape[1]] * np.float32(window_px)
+
+
+def _unit_noise(shape, noise, rng):
+    """Unit variance, ``correlated_share`` of it in common with the neighbours."""
+    own = rng.standard_normal(shape, np.float32)
+    share = noise.correlated_share
+    if share == 0 or noise.correlation_px == 1:
+        return own
+    common = correlated(shape, noise.correlation_px, rng)
+    return np.float32(np.sqrt(1 - share)) * own + np.float32(np.sqrt(share)) * common
 
 
 def depth_edges(depth_m: Float[np.ndarray, "height width"]) -> Bool[np.ndarray, "height width"]:
@@ -118,7 +212,8 @@ def _wander(depth_m, incidence, edges, noise, rng):
     if noise.lateral_px == 0:
         return depth_m, incidence
     rows, columns = np.nonzero(edges)
-    shift = np.rint(noise.lateral_px * rng.standard_normal((2, len(rows)))).astype(np.int64)
+    sigma = lateral_sigma_px(noise, incidence[rows, columns])
+    shift = np.rint(sigma * rng.standard_normal((2, len(rows)))).astype(np.int64)
     height, width = depth_m.shape
     source = (np.clip(rows + shift[0], 0, height - 1), np.clip(columns + shift[1], 0, width - 1))
     moved, angle = depth_m.copy(), incidence.copy()
@@ -130,6 +225,6 @@ def _quantised(depth_m: np.ndarray, noise: NoiseModel, camera: Camera) -> np.nda
     focal_baseline = camera.fx * noise.baseline_m
     if focal_baseline * noise.disparity_step_px == 0:
         return depth_m
-    disparity = focal_baseline / np.maximum(depth_m, 0.05)
-    steps = np.maximum(np.rint(disparity / noise.disparity_step_px), 1.0)
-    return np.where(depth_m > 0.05, focal_baseline / (steps * noise.disparity_step_px), 0)
+    per_step = np.float32(focal_baseline / noise.disparity_step_px)
+    steps = np.maximum(np.rint(per_step / np.maximum(depth_m, np.float32(0.05))), 1)
+    return np.where(depth_m > 0.05, per_step / steps, np.float32(0))

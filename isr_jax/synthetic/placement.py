@@ -2,122 +2,103 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable
+import functools
+from collections.abc import Collection
 
 import jax
 import numpy as np
 from jaxtyping import Float
 
-from ..cad_types import CadLibrary, CadModel
-from ..classes import class_named
-from ..geometry import box_overlap_depth, stack_boxes
+from ..cad_types import CadModel
+from ..geometry import box_overlap_depth
 from ..types import Array, Box
+from .clearance import meshes_apart
+from .proposal import Proposal
 
 MARGIN_M = 0.02
 """Least gap between the boxes of two things of which neither carries the other."""
+_TOUCH_M = 1e-4
 TRIES = 32
 """Places drawn at once for one thing."""
-ON_FLOOR, ON_NOTHING = -1, -2
-"""Parents of proposals that no other thing carries."""
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Proposal:
-    """A model, scaled, at a place in the room's frame."""
-
-    model: CadModel
-    scale: float
-    yaw: float
-    center: Float[np.ndarray, "3"]
-    parent: int
-    """Position of what carries it in `Occupancy.placed`, `ON_FLOOR` or `ON_NOTHING`."""
-    plane: int = 0
-    """Plane of the parent's model that carries it."""
-
-
-def any_model(model: CadModel) -> bool:
-    """Fits always."""
-    return True
-
-
-class Stock:
-    """The models of a library by class, shuffled; each is drawn once before any twice.
-
-    Models that hang where others of their class stand (a shelf on a wall) are left out.
-    """
-
-    def __init__(self, library: CadLibrary, rng: np.random.Generator) -> None:
-        self._rng = rng
-        self._models: dict[str, list[CadModel]] = {}
-        for model in library.models:
-            if model.mount != class_named(model.class_name).mount:
-                continue
-            self._models.setdefault(model.class_name, []).append(model)
-        for class_name, models in self._models.items():
-            self._models[class_name] = [models[i] for i in rng.permutation(len(models))]
-
-    def __contains__(self, class_name: str) -> bool:
-        return class_name in self._models
-
-    @property
-    def class_names(self) -> list[str]:
-        return sorted(self._models)
-
-    def draw(
-        self, class_name: str, fits: Callable[[CadModel], bool] = any_model
-    ) -> tuple[CadModel, float]:
-        """A model that ``fits``, or any where none does, and a scale near 1."""
-        models = self._models[class_name]
-        model = next((m for m in models if fits(m)), models[0])
-        models.remove(model)
-        models.append(model)
-        return model, float(self._rng.uniform(0.9, 1.1))
 
 
 class Occupancy:
-    """What stands in a room, and zones before doors and drawers that stay clear."""
+    """What stands in a room, zones that stay clear, and chairs pushed under tables."""
 
-    def __init__(self, size: np.ndarray) -> None:
-        self.half = np.asarray(size[:2]) / 2
+    def __init__(self, size: np.ndarray, zones: Collection[Box] = ()) -> None:
+        self.half = np.asarray(size[:2], np.float64) / 2
         """Half width and depth between the walls, metres."""
-        self._height_m = float(size[2])
-        self._boxes: list[Box] = []
-        self._zones: list[Box] = []
+        self.height_m = float(size[2])
         self.placed: list[Proposal] = []
+        self.notes: list[str] = []
+        self.tucked: dict[int, int] = {}
+        """What is pushed under what: their boxes overlap, their surfaces do not."""
+        self._boxes: list[np.ndarray] = []
+        self._doorways = [np.array([*b.center, b.yaw, *b.size], np.float64) for b in zones]
+        self._fronts: list[np.ndarray] = []
 
-    def add(self, proposal: Proposal, clear_front_m: float = 0.0) -> int:
-        """Position in `placed` of what now stands there."""
+    def add(self, proposal: Proposal, front_m: float = 0.0) -> int:
+        """Position in `placed` of what now stands there; ``front_m`` before it stays clear."""
         self.placed.append(proposal)
-        self._boxes.append(solid_box(proposal))
-        if clear_front_m > 0:
-            self._zones.append(solid_box(proposal, clear_front_m))
+        self._boxes.append(box_rows([proposal])[0])
+        if front_m > 0:
+            self._fronts.append(box_rows([proposal], front_m)[0])
         return len(self.placed) - 1
 
-    def free(self, proposals: list[Proposal], front_m: float = 0.0) -> list[Proposal]:
-        """Those that keep `MARGIN_M` from all that does not carry them; tested in one call.
+    def first_free(
+        self, proposals: list[Proposal], front_m: float = 0.0, under: int | None = None
+    ) -> Proposal | None:
+        """The first that keeps `MARGIN_M` from all that does not carry it; all in one call.
 
-        ``front_m``: free space wanted before the front; the zones of others count too if > 0.
+        Args:
+            proposals: Of one model, on one parent.
+            front_m: Free space wanted before the front; that of others counts too if > 0.
+            under: What they may be pushed under, with all that stands on it: of that, their
+                surfaces stay clear instead of their boxes.
         """
         if not proposals:
-            return []
+            return None
+        rows = box_rows(proposals)
+        within = np.flatnonzero(self._within(rows, proposals[0].attachment))
+        if not len(within):
+            return None
+        inside = [proposals[i] for i in within]
+        boxes = box_rows(inside, front_m) if front_m > 0 else rows[within]
         carriers = self.carriers(proposals[0].parent)
-        others = [box for i, box in enumerate(self._boxes) if i not in carriers]
-        others += self._zones if front_m > 0 else []
-        boxes = [solid_box(p, front_m) for p in proposals]
-        apart = np.array([self._within(solid_box(p)) for p in proposals])
-        if others:
-            apart &= np.all(overlap_depths(boxes, others) <= -MARGIN_M, axis=1)
-        return [proposals[i] for i in np.flatnonzero(apart)]
+        near = self._by_surface(carriers, under)
+        far = [i for i in range(len(self._boxes)) if i not in carriers and i not in near]
+        zones = self._doorways + (self._fronts if front_m > 0 else [])
+        others = [self._boxes[i] for i in far + near] + zones
+        if not others:
+            return inside[0]
+        close = _depths(boxes, np.array(others)) > -MARGIN_M
+        by_box = np.ones(len(others), bool)
+        by_box[len(far) : len(far) + len(near)] = False
+        for row, proposal in zip(close, inside, strict=True):
+            if row[by_box].any():
+                continue
+            touching = [i for i, hit in zip(near, row[~by_box], strict=True) if hit]
+            if all(meshes_apart(proposal, self.placed[i]) for i in touching):
+                return proposal
+        return None
 
-    def add_first(self, proposals: list[Proposal], clear_front_m: float = 0.0) -> int | None:
+    def add_first(self, proposals: list[Proposal], front_m: float = 0.0) -> int | None:
         """Place the first free proposal; its position, or None."""
-        free = self.free(proposals, clear_front_m)
-        return self.add(free[0], clear_front_m) if free else None
+        free = self.first_free(proposals, front_m)
+        return None if free is None else self.add(free, front_m)
 
-    def positions(self, *class_names: str) -> list[int]:
-        """Where in `placed` things of these classes stand."""
-        return [i for i, p in enumerate(self.placed) if p.model.class_name in class_names]
+    def add_under(self, proposals: list[Proposal], host: int) -> int | None:
+        """As `add_first`, for what may reach under ``host``."""
+        free = self.first_free(proposals, under=host)
+        if free is None:
+            return None
+        position = self.add(free)
+        self.tucked[position] = host
+        return position
+
+    def positions(self, *roles: str) -> list[int]:
+        """Where in `placed` things of these roles stand."""
+        return [i for i, p in enumerate(self.placed) if p.role in roles]
 
     def carriers(self, position: int) -> list[int]:
         """A position and all that carries it, directly or not."""
@@ -127,42 +108,71 @@ class Occupancy:
             position = self.placed[position].parent
         return chain
 
-    def _within(self, box: Box) -> bool:
-        c, s = abs(np.cos(box.yaw)), abs(np.sin(box.yaw))
-        x, y, z = np.asarray(box.size) / 2
-        reach = np.abs(np.asarray(box.center[:2])) + np.array([c * x + s * y, s * x + c * y])
-        return bool(np.all(reach <= self.half - MARGIN_M) and box.center[2] + z <= self._height_m)
+    def _by_surface(self, carriers: list[int], under: int | None) -> list[int]:
+        """Positions of which surfaces count, not boxes."""
+        if under is not None:
+            return [i for i in range(len(self.placed)) if under in self.carriers(i)]
+        return [chair for chair, host in self.tucked.items() if host in carriers]
+
+    def _within(self, rows: np.ndarray, attachment: str) -> np.ndarray:
+        """[boxes] between the walls: with a margin, unless fixed to one or leaning on it."""
+        margin = MARGIN_M if attachment == "none" else -_TOUCH_M
+        c, s = np.abs(np.cos(rows[:, 3])), np.abs(np.sin(rows[:, 3]))
+        x, y, z = rows[:, 4:].T / 2
+        reach = np.abs(rows[:, :2]) + np.stack([c * x + s * y, s * x + c * y], 1)
+        below = rows[:, 2] + z <= self.height_m + _TOUCH_M
+        return np.all(reach <= self.half - margin, axis=1) & below
 
 
-def solid_box(proposal: Proposal, front_m: float = 0.0) -> Box:
-    """The box of the whole mesh, handles included, grown towards the front (-y)."""
-    vertices = proposal.model.mesh.vertices
-    low, high = vertices.min(0) * proposal.scale, vertices.max(0) * proposal.scale
-    low = low - np.array([0, front_m, 0])
-    middle = (low + high) / 2
-    moved = np.array([*(rotation_2d(proposal.yaw) @ middle[:2]), middle[2]])
-    values = (proposal.center + moved, proposal.yaw, high - low)
-    return Box(*(np.asarray(value, np.float32) for value in values))
+def box_rows(proposals: list[Proposal], front_m: float = 0.0) -> Float[np.ndarray, "boxes 7"]:
+    """Centre, yaw and size of the box of the whole mesh, handles included, room frame.
 
-
-def rotation_2d(yaw: float) -> Float[np.ndarray, "2 2"]:
-    """Turn by ``yaw`` radians in the plane of the floor."""
+    Grown towards the front (-y) by ``front_m``. Of one model at one scale, leaning alike.
+    """
+    first = proposals[0]
+    low, high = extent(first.model)
+    if first.lean is not None:
+        turned = first.model.mesh.vertices @ first.lean.T
+        low, high = turned.min(0), turned.max(0)
+    low, high = first.scale * low - np.array([0, front_m, 0]), first.scale * high
+    x, y, z = (low + high) / 2
+    yaw = np.array([p.yaw for p in proposals])
     c, s = np.cos(yaw), np.sin(yaw)
-    return np.array([[c, -s], [s, c]])
+    moved = np.stack([c * x - s * y, s * x + c * y, np.full(len(yaw), z)], 1)
+    center = np.array([p.center for p in proposals]) + moved
+    size = np.broadcast_to(high - low, center.shape)
+    return np.concatenate([center, yaw[:, None], size], 1)
+
+
+@functools.lru_cache(maxsize=2048)
+def extent(model: CadModel) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest corner [3] of a model's mesh, handles included, unscaled."""
+    vertices = model.mesh.vertices
+    return vertices.min(0).astype(np.float64), vertices.max(0).astype(np.float64)
 
 
 @jax.jit
-def _pair_depths(a: Box, b: Box) -> Float[Array, "a b"]:
-    return jax.vmap(lambda x: jax.vmap(lambda y: box_overlap_depth(x, y))(b))(a)
+def _pair_depths(a: Float[Array, "a 7"], b: Float[Array, "b 7"]) -> Float[Array, "a b"]:
+    def depth(x: Array, y: Array) -> Array:
+        return box_overlap_depth(Box(x[:3], x[3], x[4:]), Box(y[:3], y[3], y[4:]))
+
+    return jax.vmap(lambda x: jax.vmap(lambda y: depth(x, y))(b))(a)
 
 
 def overlap_depths(boxes: list[Box], others: list[Box]) -> Float[np.ndarray, "a b"]:
     """Depth to which every pair of boxes overlaps, metres; negative when apart."""
-    depth = _pair_depths(_stacked(boxes), _stacked(others))
-    return np.asarray(depth)[: len(boxes), : len(others)]
+    rows = (np.array([[*b.center, b.yaw, *b.size] for b in many]) for many in (boxes, others))
+    return _depths(*rows)
 
 
-def _stacked(boxes: list[Box]) -> Box:
-    """One batched `Box`, padded with copies of the first to a power-of-two bucket."""
-    count = max(TRIES, 1 << (len(boxes) - 1).bit_length())
-    return stack_boxes(boxes + [boxes[0]] * (count - len(boxes)))
+def _depths(
+    rows: Float[np.ndarray, "a 7"], others: Float[np.ndarray, "b 7"]
+) -> Float[np.ndarray, "a b"]:
+    return np.asarray(_pair_depths(_padded(rows), _padded(others)))[: len(rows), : len(others)]
+
+
+def _padded(rows: Float[np.ndarray, "boxes 7"]) -> Float[np.ndarray, "padded 7"]:
+    """With copies of the first up to a power of two, so that few shapes are compiled."""
+    count = max(2 * TRIES, 1 << (len(rows) - 1).bit_length())
+    more = np.broadcast_to(rows[:1], (count - len(rows), 7))
+    return np.concatenate([rows, more]).astype(np.float32)

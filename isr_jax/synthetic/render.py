@@ -1,8 +1,9 @@
-"""Border: OpenCV and trimesh. Writes a room as a plain-folder sequence with its truth."""
+"""Border: OpenCV. Writes a room as a plain-folder sequence with its truth."""
 
 from __future__ import annotations
 
 import collections
+import dataclasses
 import json
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -11,33 +12,39 @@ from typing import Any
 
 import cv2
 import numpy as np
-import trimesh
 from scipy import ndimage
-from trimesh.exchange.ply import export_ply
 
 from ..classes import class_named, classes
-from ..config import NoiseModel
+from ..config import NoiseModel, PoseNoise
 from ..errors import OutputError
-from ..scene_file import write_scene
-from ..types import Camera, Mesh
-from .filming import Film, SeenSurface, Shot, joined
+from ..types import Camera
+from .cameras import default_camera as default_camera
+from .cameras import named_camera
+from .drift import NO_DRIFT, tracked_path
+from .filming import Film, Look, SeenSurface, Shot, class_names, joined
+from .free_space import free_space
 from .room import Room
-from .truth import scene_of_entities, true_entities
+from .shading import Developed
+from .truth_files import write_truth
+from .views import FrameViews, Views
 from .walk import camera_path
 
 DEPTH_SCALE = 1000.0
 """Units of the depth images per metre."""
-_FOCAL_PER_WIDTH = 585.0 / 640.0
 _JPEG_QUALITY = 92
-_WRITERS = 2
-_PENDING = 8
-"""Shots that may wait for the disk."""
+_DARKROOMS = 2
+"""Threads that make images of what rays met, and write them."""
+_PENDING = 4
+"""Frames that may wait for them."""
 
 
-def default_camera(width: int, height: int) -> Camera:
-    """A pinhole camera with a Kinect's field of view."""
-    focal = _FOCAL_PER_WIDTH * width
-    return Camera(focal, focal, width / 2, height / 2, width, height)
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Printed:
+    """What is kept of a frame once its files are written."""
+
+    seen: SeenSurface
+    annotation: dict[str, Any]
+    views: FrameViews
 
 
 def render_sequence(
@@ -48,6 +55,8 @@ def render_sequence(
     width: int = 640,
     height: int = 480,
     noise: NoiseModel = NoiseModel(),  # noqa: B008 (frozen)
+    pose_noise: PoseNoise = NO_DRIFT,
+    camera: str | Camera = "kinect",
     seed: int = 0,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
@@ -55,8 +64,9 @@ def render_sequence(
 
     Written: ``rgb/``, ``depth/`` (uint16 millimetres), ``poses/`` (camera to dataset),
     ``intrinsics.json``, ``panoptic/`` and ``panoptic.json`` (COCO panoptic; segment id = entity
-    id), ``truth/scene.json``, ``truth/meshes/``, ``truth/observed.npz``. The same arguments write
-    the same bytes.
+    id), ``parts/`` (uint16 ids of ``truth/parts.json``), and of the truth what `write_truth` lists
+    and ``views.json`` (`Views.record`). With pose noise ``poses/`` are the tracker's and
+    ``truth/poses/`` the true ones. The same arguments write the same bytes.
 
     Args:
         room: From `make_room`.
@@ -65,30 +75,72 @@ def render_sequence(
         width: Of the images, pixels.
         height: Of the images, pixels.
         noise: The depth sensor; `NO_NOISE` for true depth.
+        pose_noise: Drift and jitter of the poses.
+        camera: A name of `cameras.CAMERAS`, or one that says its own width and height.
         seed: Of the walk and the noise.
         progress: Called with (frames done, frames) after each frame.
+
+    Raises:
+        OutputError: the folder cannot be written.
+        SceneError: nowhere in the room is space for a camera.
+        SettingError: no camera has that name.
     """
     out_dir = Path(out_dir)
-    camera = default_camera(width, height)
+    if isinstance(camera, str):
+        camera = named_camera(camera, width, height)
+    path = camera_path(room, frames, seed, camera=camera, sensor=noise)
     film = Film(room, camera, noise, seed)
-    path = camera_path(room, frames, seed)
-    _make_folders(out_dir)
+    space = free_space(room, seed)
+    views = Views(film.surfaces, film.scene, space, camera, noise, seed)
+    make_folders(out_dir, pose_noise)
     _write_json(out_dir / "intrinsics.json", _intrinsics(room, camera))
-    seen: list[SeenSurface] = []
-    annotations: list[dict[str, Any]] = []
-    pending: collections.deque[Future[None]] = collections.deque()
-    with ThreadPoolExecutor(_WRITERS) as pool:
-        for index, pose in enumerate(path):
-            shot = film.shoot(index, pose)
-            seen.append(shot.seen)
-            annotations.append(_annotation(room, index, shot))
-            pending.append(pool.submit(_write_shot, out_dir, room, index, pose, shot))
-            while len(pending) > _PENDING or (pending and index == frames - 1):
-                pending.popleft().result()
-            if progress is not None:
-                progress(index + 1, frames)
+    _write_poses(room, out_dir, path, pose_noise, seed)
+    printed = _filmed(out_dir, room, film, views, path, progress)
+    annotations = [frame.annotation for frame in printed]
     _write_json(out_dir / "panoptic.json", _panoptic_index(camera, annotations))
-    _write_truth(room, out_dir / "truth", joined(seen))
+    write_truth(room, out_dir / "truth", joined([frame.seen for frame in printed]))
+    by_name = {frame_name(i): frame.views for i, frame in enumerate(printed)}
+    names = {entity.id: entity.name for entity in (*room.layout, *room.items)}
+    _write_json(out_dir / "truth" / "views.json", views.record(by_name, names))
+
+
+def _filmed(
+    out_dir: Path,
+    room: Room,
+    film: Film,
+    views: Views,
+    path: np.ndarray,
+    progress: Callable[[int, int], None] | None,
+) -> list[_Printed]:
+    """Cast the rays of one frame while threads develop and write those before it."""
+    printed: list[_Printed] = []
+    pending: collections.deque[Future[_Printed]] = collections.deque()
+    with ThreadPoolExecutor(_DARKROOMS) as pool:
+        for index, pose in enumerate(path):
+            look = film.look(pose)
+            job = (out_dir, room, film, views, index, pose, look, film.expose(look))
+            pending.append(pool.submit(_print, *job))
+            while len(pending) > _PENDING or (pending and index == len(path) - 1):
+                printed.append(pending.popleft().result())
+            if progress is not None:
+                progress(index + 1, len(path))
+    return printed
+
+
+def _print(
+    out_dir: Path,
+    room: Room,
+    film: Film,
+    views: Views,
+    index: int,
+    pose: np.ndarray,
+    look: Look,
+    developed: Developed,
+) -> _Printed:
+    shot = film.shot(index, look, developed)
+    write_shot(out_dir, index, shot)
+    shown = views.frame(pose, shot.instance, shot.true_depth_m)
+    return _Printed(shot.seen, _annotation(room, index, shot), shown)
 
 
 def frame_name(index: int) -> str:
@@ -96,8 +148,10 @@ def frame_name(index: int) -> str:
     return f"{index:06d}"
 
 
-def _make_folders(out_dir: Path) -> None:
-    for name in ("rgb", "depth", "poses", "panoptic", "truth/meshes"):
+def make_folders(out_dir: Path, pose_noise: PoseNoise = NO_DRIFT) -> None:
+    """Make the folders of a sequence."""
+    names = ["rgb", "depth", "poses", "panoptic", "parts", "truth"]
+    for name in names + ["truth/poses"] * (pose_noise != NO_DRIFT):
         try:
             (out_dir / name).mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -112,19 +166,30 @@ def _intrinsics(room: Room, camera: Camera) -> dict[str, Any]:
     return values | {"depth_scale": DEPTH_SCALE, "gravity": room.gravity_dataset.tolist()}
 
 
-def _write_shot(out_dir: Path, room: Room, index: int, pose: np.ndarray, shot: Shot) -> None:
+def write_shot(out_dir: Path, index: int, shot: Shot) -> None:
+    """Write the images of one frame into the folders of a sequence."""
     name = frame_name(index)
     bgr = np.ascontiguousarray(shot.color[..., ::-1])
     quality = [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY]
     _write_image(out_dir / "rgb" / f"{name}.jpg", bgr, quality)
-    millimetres = np.rint(shot.depth_m * DEPTH_SCALE).astype(np.uint16)
+    millimetres = np.rint(shot.depth_m * np.float32(DEPTH_SCALE)).astype(np.uint16)
     fast = [cv2.IMWRITE_PNG_COMPRESSION, 1]
     _write_image(out_dir / "depth" / f"{name}.png", millimetres, fast)
     ids = shot.instance
     panoptic = np.stack([ids >> 16 & 255, ids >> 8 & 255, ids & 255], -1).astype(np.uint8)
     _write_image(out_dir / "panoptic" / f"{name}.png", panoptic, fast)
-    T_dataset_camera = np.linalg.inv(room.T_world_dataset) @ pose
-    np.savetxt(out_dir / "poses" / f"{name}.txt", T_dataset_camera, fmt="%.9f")
+    _write_image(out_dir / "parts" / f"{name}.png", shot.part.astype(np.uint16), fast)
+
+
+def _write_poses(room: Room, out_dir: Path, path: np.ndarray, noise: PoseNoise, seed: int) -> None:
+    """What the tracker gives; where it errs, the truth too."""
+    folders = {out_dir / "poses": tracked_path(path, noise, seed)}
+    if noise != NO_DRIFT:
+        folders[out_dir / "truth" / "poses"] = path
+    T_dataset_world = np.linalg.inv(room.T_world_dataset)
+    for folder, poses in folders.items():
+        for index, pose in enumerate(poses):
+            np.savetxt(folder / f"{frame_name(index)}.txt", T_dataset_world @ pose, fmt="%.9f")
 
 
 def _write_image(path: Path, image: np.ndarray, options: list[int]) -> None:
@@ -134,8 +199,7 @@ def _write_image(path: Path, image: np.ndarray, options: list[int]) -> None:
 
 def _annotation(room: Room, index: int, shot: Shot) -> dict[str, Any]:
     """COCO panoptic annotation of one frame."""
-    class_of = {patch.id: patch.class_name for patch in room.layout}
-    class_of |= {item.id: item.model.class_name for item in room.items}
+    class_of = class_names(room)
     area = np.bincount(shot.instance.ravel())
     segments = []
     for entity_id, place in enumerate(ndimage.find_objects(shot.instance), 1):
@@ -172,30 +236,6 @@ def _panoptic_index(camera: Camera, annotations: list[dict[str, Any]]) -> dict[s
         if info.id > 0
     ]
     return {"images": images, "annotations": annotations, "categories": categories}
-
-
-def _write_truth(room: Room, out_dir: Path, seen: SeenSurface) -> None:
-    entities = true_entities(room)
-    for entity in entities:
-        _write_ply(out_dir / "meshes" / f"{entity.name}.ply", entity.mesh)
-    np.savez_compressed(
-        out_dir / "observed.npz",
-        points=seen.points.astype(np.float32),
-        normals=seen.normals.astype(np.float32),
-        instance=seen.instance.astype(np.int32),
-    )
-    write_scene(scene_of_entities(room, entities), out_dir / "scene.json")
-
-
-def _write_ply(path: Path, mesh: Mesh) -> None:
-    whole = trimesh.Trimesh(
-        mesh.vertices,
-        mesh.faces,
-        vertex_normals=mesh.normals,
-        vertex_colors=mesh.colors,
-        process=False,
-    )
-    path.write_bytes(export_ply(whole, vertex_normal=True))
 
 
 def _write_json(path: Path, data: dict[str, Any]) -> None:

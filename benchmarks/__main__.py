@@ -1,0 +1,13 @@
+"""``python -m benchmarks NAME``: one benchmark; ``--help`` lists them."""
+
+from __future__ import annotations
+
+import tyro
+
+from .render import render
+
+app = tyro.extras.SubcommandApp()
+app.command(render)
+
+if __name__ == "__main__":
+    app.cli(prog="python -m benchmarks")

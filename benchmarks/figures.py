@@ -1,0 +1,59 @@
+"""What a benchmark measures: figures with a unit, a direction and, where one is stated, a bound."""
+
+from __future__ import annotations
+
+import dataclasses
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from typing import Literal
+
+from rich.console import Console
+from rich.table import Table
+
+
+@dataclasses.dataclass(frozen=True)
+class Figure:
+    """One measured number."""
+
+    name: str
+    value: float
+    unit: str
+    better: Literal["higher", "lower"]
+    bound: float | None = None
+    """What the project promises; printed, never enforced: clocks differ."""
+
+    @property
+    def kept(self) -> bool | None:
+        """Whether the bound is kept; None without one."""
+        if self.bound is None:
+            return None
+        higher = self.better == "higher"
+        return self.value >= self.bound if higher else self.value <= self.bound
+
+
+def seconds_each(work: Callable[[], object], repeats: int) -> tuple[float, float]:
+    """Median wall time and median core time (of all threads) of a call, seconds.
+
+    After one call that compiles what there is to. Core time hardly feels what else runs.
+    """
+    work()
+    walls, cores = [], []
+    for _ in range(repeats):
+        wall, core = time.perf_counter(), time.process_time()
+        work()
+        walls.append(time.perf_counter() - wall)
+        cores.append(time.process_time() - core)
+    return statistics.median(walls), statistics.median(cores)
+
+
+def show(title: str, figures: Sequence[Figure]) -> None:
+    """Print a table: figure, value, unit, which way is better, bound."""
+    table = Table(title=title)
+    for column in ("figure", "value", "unit", "better", "bound"):
+        table.add_column(column, justify="right" if column in ("value", "bound") else "left")
+    for figure in figures:
+        bound = "" if figure.bound is None else f"{figure.bound:g}"
+        kept = {None: "", True: " kept", False: " missed"}[figure.kept]
+        table.add_row(figure.name, f"{figure.value:.3g}", figure.unit, figure.better, bound + kept)
+    Console().print(table)

@@ -1,0 +1,71 @@
+"""Run what is missing of a plan, gather the table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from isr_jax.demonstration import is_filmed
+
+from .one_run import Libraries, failed_row, kept_rows, run_key
+from .plan import Plan, RoomSpec, Run
+from .rows import Row
+from .table import write_table
+from .workers import Ended, Work, work_through
+
+Said = Callable[[Ended, int, int], None]
+"""Told what ended, how many have, and how many there are."""
+
+
+def run_plan(plan: Plan, jobs: int, said: Said) -> list[Row]:
+    """Do the runs that are not kept, and write the table of all that are done.
+
+    The table is also written when the bench is broken off: what is finished is in it, and the
+    next call goes on from there.
+    """
+    libraries = Libraries(plan)
+    problems: dict[Run, str] = {}
+    works = missing(plan, libraries)
+    total, done = sum(len(work.runs) for work in works), 0
+    try:
+        for ended in work_through(works, jobs):
+            done += ended.run is not None
+            if ended.run is not None and ended.problem is not None:
+                problems[ended.run] = ended.problem
+            said(ended, done, total)
+    finally:
+        rows = _gathered(plan, libraries, problems)
+        write_table(rows, plan.out_dir)
+    return rows
+
+
+def missing(plan: Plan, libraries: Libraries) -> list[Work]:
+    """The runs that are not kept, by room."""
+    found = []
+    for room in plan.rooms:
+        filmed = is_filmed(plan.film_dir(room), plan.film_plan(room), libraries.of_room(room))
+        runs = tuple(
+            run for run in plan.runs(room) if not filmed or _kept(plan, run, libraries) is None
+        )
+        if runs:
+            found.append(Work(plan, room, runs))
+    return found
+
+
+def _kept(plan: Plan, run: Run, libraries: Libraries) -> list[Row] | None:
+    return kept_rows(plan.run_dir(run), run_key(plan, run, libraries))
+
+
+def _gathered(plan: Plan, libraries: Libraries, problems: dict[Run, str]) -> list[Row]:
+    rows: list[Row] = []
+    for room in plan.rooms:
+        for run in plan.runs(room):
+            if run in problems:
+                rows.append(failed_row(plan, run, problems[run]))
+            else:
+                rows += _kept(plan, run, libraries) or []
+    return rows
+
+
+def describe(room: RoomSpec, run: Run | None) -> str:
+    """What ended, for a line of progress."""
+    return f"{room.name}: {'film' if run is None else run.name}"

@@ -1,0 +1,168 @@
+"""Rooms in processes of their own: one that dies costs one run, and Ctrl-C keeps what is done."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import multiprocessing
+import multiprocessing.connection
+import os
+import signal
+import time
+import traceback
+from collections.abc import Iterator, Sequence
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+
+from isr_jax.compile_cache import enable_compilation_cache
+from isr_jax.demonstration import film_room
+from isr_jax.reporter import LogReporter
+
+from .one_run import TRACEBACK, Libraries, finish_run, one_line
+from .plan import Plan, RoomSpec, Run
+
+_THREADS = ("NPROC", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OPENCV_FOR_THREADS_NUM")
+"""How XLA, OpenMP, OpenBLAS and OpenCV are told how many threads to use."""
+_NO_FILM = "the room was not filmed"
+
+
+@dataclasses.dataclass(frozen=True)
+class Ended:
+    """A film or a run that ended, one way or the other."""
+
+    room: RoomSpec
+    run: Run | None
+    """None: the film."""
+    seconds: float
+    problem: str | None
+    """None: all is well."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Work:
+    """What one process does: film a room, and do these runs of it."""
+
+    plan: Plan
+    room: RoomSpec
+    runs: tuple[Run, ...]
+
+
+def work_through(works: Sequence[Work], jobs: int) -> Iterator[Ended]:
+    """Do it all, ``jobs`` rooms at a time, each with its share of the cores.
+
+    Args:
+        works: One a room.
+        jobs: Processes; 0 works here, without protection against a process that dies.
+    """
+    if jobs == 0:
+        for work in works:
+            yield from _here(work)
+        return
+    with _few_threads(max(1, (os.cpu_count() or 1) // jobs)):
+        yield from _apart(list(works), jobs)
+
+
+def _here(work: Work) -> Iterator[Ended]:
+    plan, room, started = work.plan, work.room, time.perf_counter()
+    libraries = Libraries(plan)
+    problem = _filmed(work, libraries)
+    yield Ended(room, None, time.perf_counter() - started, problem)
+    for run in work.runs:
+        if problem is not None:
+            yield Ended(room, run, 0.0, f"{_NO_FILM}: {problem}")
+            continue
+        started = time.perf_counter()
+        failure = finish_run(plan, run, libraries, LogReporter())
+        yield Ended(room, run, time.perf_counter() - started, failure)
+
+
+def _filmed(work: Work, libraries: Libraries) -> str | None:
+    """Film the room, or keep its film; what went wrong, or None."""
+    folder, library = work.plan.film_dir(work.room), libraries.of_room(work.room)
+    try:
+        film_room(folder, library=library, **vars(work.plan.film_plan(work.room)))
+    except Exception as error:  # one room of many: its rows say what went wrong
+        path = folder.parent / TRACEBACK
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(traceback.format_exc(), "utf-8")
+        return f"{one_line(error)} (see {path})"
+    return None
+
+
+@contextlib.contextmanager
+def _few_threads(count: int) -> Iterator[None]:
+    """Processes that start within have so many threads a library, unless the user said else."""
+    added = {name: str(count) for name in _THREADS if name not in os.environ}
+    os.environ.update(added)
+    try:
+        yield
+    finally:
+        for name in added:
+            del os.environ[name]
+
+
+@dataclasses.dataclass
+class _Busy:
+    process: BaseProcess
+    inbox: Connection
+    work: Work
+    filmed: bool = False
+    done: int = 0
+    """Runs that ended."""
+
+
+def _apart(waiting: list[Work], jobs: int) -> Iterator[Ended]:
+    crew: list[_Busy] = []
+    try:
+        while waiting or crew:
+            while waiting and len(crew) < jobs:
+                crew.append(_started(waiting.pop(0)))
+            for ready in multiprocessing.connection.wait([busy.inbox for busy in crew]):
+                busy = next(b for b in crew if b.inbox is ready)
+                try:
+                    ended: Ended = busy.inbox.recv()
+                except EOFError:
+                    crew.remove(busy)
+                    lost, rest = _left_behind(busy)
+                    yield from lost
+                    waiting[:0] = rest
+                    continue
+                busy.filmed |= ended.run is None
+                busy.done += ended.run is not None
+                yield ended
+    finally:
+        for busy in crew:
+            busy.process.kill()
+            busy.process.join()
+
+
+def _started(work: Work) -> _Busy:
+    context = multiprocessing.get_context("spawn")
+    inbox, outbox = context.Pipe(duplex=False)
+    process = context.Process(target=_serve, args=(work, outbox))
+    process.start()
+    outbox.close()  # so that the end of the process is the end of what comes
+    return _Busy(process, inbox, work)
+
+
+def _serve(work: Work, outbox: Connection) -> None:
+    """Body of a process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started this one
+    enable_compilation_cache()
+    for ended in _here(work):
+        outbox.send(ended)
+    outbox.close()
+
+
+def _left_behind(busy: _Busy) -> tuple[list[Ended], list[Work]]:
+    """What a process that ended did not do: the run it died in, and work for another one.
+
+    One that died while it filmed takes all runs of its room with it.
+    """
+    busy.process.join()
+    left = busy.work.runs[busy.done :]
+    problem = f"its process ended (exit {busy.process.exitcode})"
+    if not busy.filmed:
+        return [Ended(busy.work.room, run, 0.0, f"{_NO_FILM}: {problem}") for run in left], []
+    rest = [dataclasses.replace(busy.work, runs=left[1:])] if left[1:] else []
+    return [Ended(busy.work.room, run, 0.0, problem) for run in left[:1]], rest

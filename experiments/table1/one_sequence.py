@@ -1,0 +1,206 @@
+"""One SceneNN sequence: mapped, its entities and contact graph found, scored in both countings."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+
+from isr_jax import contact_graph, datasets, entities, mapping, segmentation
+from isr_jax.cad_types import CadLibrary
+from isr_jax.classes import class_named, classes
+from isr_jax.config import Settings
+from isr_jax.evaluation.boxes import score_boxes
+from isr_jax.evaluation.instances import score_instances
+from isr_jax.evaluation.labels import transfer
+from isr_jax.evaluation.panoptic import panoptic_scores
+from isr_jax.evaluation.released_code import (
+    MIN_VERTICES,
+    ReleasedCounts,
+    count_as_released_code,
+    released_class,
+    released_true_class,
+    triangle_soup,
+)
+from isr_jax.evaluation.result_files import Result, read_truth
+from isr_jax.evaluation.segments import compare_segments
+from isr_jax.fusing import fuse
+from isr_jax.geometry.boxes import box_at
+from isr_jax.reporter import Reporter
+from isr_jax.run_folder import RunFolder
+from isr_jax.scene_file import scene_from_stages
+from isr_jax.stage_runner import StageRunner
+from isr_jax.store import StageStore
+from isr_jax.types import (
+    Box,
+    ContactGraph,
+    Entities,
+    MappingResult,
+    PanopticSurface,
+    Placement,
+)
+
+from .rows import ExactScores
+
+TEXT = "SceneNN (text)"
+"""The annotation whose names the released code reads, also where there is a later one."""
+_NOT_ASKED = "models are not looked for here"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Found:
+    """What was found in a sequence."""
+
+    surface: PanopticSurface
+    entities: Entities
+    graph: ContactGraph
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class SequenceScores:
+    """One sequence in both countings."""
+
+    annotation: str
+    """Which version of the annotation the exact counting took its names from."""
+    exact: ExactScores
+    released: dict[str, ReleasedCounts]
+    released_refined: dict[str, ReleasedCounts]
+    """With the boxes that supports refined."""
+
+
+def score_sequence(
+    folder: Path,
+    out_dir: Path,
+    settings: Settings,
+    segmenter: str,
+    reporter: Reporter,
+    *,
+    min_vertices: int = MIN_VERTICES,
+) -> SequenceScores:
+    """Map a sequence and score it against its annotation.
+
+    Args:
+        folder: ``image/``, ``depth/``, ``trajectory.log``, and the mesh and XML of the annotation.
+        out_dir: Receives the log, the map (which a second call reuses) and the truth.
+        settings: Of a preset.
+        segmenter: As in `open_segmenter`.
+        reporter: Receives progress.
+        min_vertices: Of the released counting.
+    """
+    with RunFolder(out_dir, settings):
+        annotated = datasets.read_scenenn_truth(folder)
+        by_text = datasets.read_scenenn_truth(folder, version=TEXT)
+        sequence = datasets.open_sequence(folder, settings.input)
+        for note in (*sequence.notes, *annotated.notes):
+            reporter.note(note)
+        runner = StageRunner(StageStore(out_dir / "stages"), reporter)
+        masks = segmentation.open_segmenter(segmenter, folder, settings=settings.segmentation)
+        found = find(sequence, masks, settings, runner)
+        T = sequence.T_world_dataset
+        datasets.truth_from_annotation(annotated, T, out_dir / "truth")
+        released = [
+            _released(found, by_text, T, refined, min_vertices) for refined in (False, True)
+        ]
+        return SequenceScores(annotated.annotation, _exact(found, out_dir / "truth"), *released)
+
+
+def find(sequence, segmenter, settings: Settings, runner: StageRunner) -> Found:
+    """The paper's way as far as the contact graph; the map is kept."""
+    parts = ("input", "segmentation", "mapping")
+    mapped = runner.run(
+        "mapping",
+        mapping.VERSION,
+        {name: dataclasses.asdict(getattr(settings, name)) for name in parts},
+        {
+            "sequence": sequence.content_hash(),
+            "segmenter": segmenter.content_hash(),
+            "segmentation_version": str(segmentation.VERSION),
+        },
+        MappingResult,
+        lambda: fuse(sequence, segmenter, settings, runner),
+    )
+    items = entities.extract_entities(mapped.surface, sequence.T_world_dataset, settings.entities)
+    graph = contact_graph.build_contact_graphs([items], settings.contact_graph)[0]
+    return Found(mapped.surface, items, graph)
+
+
+def _exact(found: Found, truth_dir: Path) -> ExactScores:
+    truth = read_truth(truth_dir)
+    none = Placement(0, None, None, None, None, None, (), _NOT_ASKED)
+    placements = tuple(dataclasses.replace(none, entity_id=e.id) for e in found.entities)
+    scene = scene_from_stages(found.entities, found.graph, placements, CadLibrary((), "", ""), {})
+    mesh = found.surface.mesh
+    vertices = np.asarray(mesh.vertices, np.float64)
+    result = Result(scene, vertices, mesh.faces, *_final_labels(found), np.eye(4))
+    compared = compare_segments(truth, result, transfer(truth.points, result.points))
+    unrefined = {e.name: e.box for e in found.entities}
+    return ExactScores(
+        panoptic_scores(compared.quality),
+        score_instances(compared),
+        score_boxes(truth, result, unrefined),
+        score_boxes(truth, result, None),
+    )
+
+
+def _merged(found: Found) -> np.ndarray:
+    """Instance a vertex, with the parts of one entity under its id."""
+    instance = found.surface.instance.astype(np.int64)
+    for entity in found.entities:
+        instance = np.where(np.isin(instance, entity.merged_ids), entity.id, instance)
+    return instance
+
+
+def _final_labels(found: Found) -> tuple[np.ndarray, np.ndarray]:
+    """Instance and class a vertex as the entities have them; things that became none are 0."""
+    instance, things = _merged(found), [e for e in found.entities if not e.is_layout]
+    size = max([int(instance.max(initial=0)), *(e.id for e in found.entities)]) + 1
+    class_of = np.zeros(size, np.int64)
+    class_of[found.surface.instance_ids] = found.surface.class_ids
+    for entity in things:
+        class_of[entity.id] = class_named(entity.class_name).id
+    is_thing = np.array([info.kind == "thing" for info in classes()])[class_of[instance]]
+    lost = is_thing & ~np.isin(instance, [e.id for e in things])
+    instance = np.where(lost, 0, instance)
+    return instance, np.where(instance > 0, class_of[instance], 0)
+
+
+def _released(
+    found: Found,
+    annotated: datasets.AnnotatedMesh,
+    T_world_dataset: np.ndarray,
+    refined: bool,
+    min_vertices: int,
+) -> dict[str, ReleasedCounts]:
+    instance = _merged(found)
+    corners, labels = triangle_soup(
+        np.asarray(found.surface.mesh.vertices, np.float64), found.surface.mesh.faces, instance
+    )
+    T = np.asarray(T_world_dataset, np.float64)
+    points = np.asarray(annotated.mesh.vertices, np.float64) @ T[:3, :3].T + T[:3, 3]
+    true = {i.id: released_true_class(i.label) for i in annotated.instances}
+    return count_as_released_code(
+        corners,
+        labels,
+        _predicted_classes(found, instance),
+        points,
+        annotated.instance,
+        {id: name for id, name in true.items() if name is not None},
+        boxes=_refined_boxes(found) if refined else None,
+        min_vertices=min_vertices,
+    )
+
+
+def _predicted_classes(found: Found, instance: np.ndarray) -> dict[int, str]:
+    """Of entities, and of the floor and the walls, which the map holds as one instance each."""
+    surface = found.surface
+    info = {int(i): classes()[k] for i, k in zip(surface.instance_ids, surface.class_ids)}
+    named = {id: one.name for id, one in info.items() if one.kind == "layout"}
+    named |= {e.id: e.class_name for e in found.entities if not e.is_layout}
+    counted = {id: released_class(name) for id, name in named.items()}
+    present = set(np.unique(instance).tolist())
+    return {id: name for id, name in counted.items() if name is not None and id in present}
+
+
+def _refined_boxes(found: Found) -> dict[int, Box]:
+    return {e.id: box_at(found.graph.refined_box, i) for i, e in enumerate(found.entities)}
