@@ -15,12 +15,12 @@ from isr_jax.cad import default_library
 from isr_jax.compile_cache import enable_compilation_cache
 from isr_jax.config import NoiseModel
 from isr_jax.synthetic import Room, make_room, render_sequence
-from isr_jax.synthetic.cameras import default_camera
-from isr_jax.synthetic.filming import Film, Look
-from isr_jax.synthetic.free_space import free_space
-from isr_jax.synthetic.render import make_folders, write_shot
-from isr_jax.synthetic.views import Views
-from isr_jax.synthetic.walk import camera_path
+from isr_jax.synthetic.camera.cameras import default_camera
+from isr_jax.synthetic.camera.free_space import free_space
+from isr_jax.synthetic.camera.walk import camera_path
+from isr_jax.synthetic.film.film import Film, Look
+from isr_jax.synthetic.film.render import make_folders, write_shot
+from isr_jax.synthetic.film.views import Views
 
 from .figures import Figure, seconds_each, show
 

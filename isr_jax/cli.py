@@ -159,7 +159,7 @@ def synth(
     from .config import NoiseModel, PoseNoise
     from .demonstration import film_room, image_size
     from .synthetic import NO_NOISE
-    from .synthetic.contact_sheet import contact_sheet
+    from .synthetic.film.contact_sheet import contact_sheet
 
     width, height = image_size(size)
     console, picture = Console(), sheet or out / "sheet.png"

@@ -9,9 +9,9 @@ import pytest
 
 from isr_jax.cad_types import CadModel
 from isr_jax.errors import SceneError
-from isr_jax.evaluation.cad_alignment import AlignmentLimits
-from isr_jax.evaluation.cad_cases import CadCase, PosedModel, model_named
-from isr_jax.evaluation.chamfer import (
+from isr_jax.evaluation.models.cad_alignment import AlignmentLimits
+from isr_jax.evaluation.models.cad_cases import CadCase, PosedModel, model_named
+from isr_jax.evaluation.models.chamfer import (
     ChamferRow,
     ChamferScores,
     Surface,
@@ -20,14 +20,14 @@ from isr_jax.evaluation.chamfer import (
     surface_distance,
     surface_distances,
 )
-from isr_jax.evaluation.retrieval import (
+from isr_jax.evaluation.models.retrieval import (
     HIT_M,
     best_candidates,
     fitted_distance_m,
     fitted_scale,
     score_retrieval,
 )
-from isr_jax.evaluation.scan2cad import (
+from isr_jax.evaluation.models.scan2cad import (
     AlignmentAccuracy,
     ClassCount,
     PosedCad,

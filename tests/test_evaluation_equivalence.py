@@ -10,7 +10,8 @@ import pytest
 
 from isr_jax.cad_types import CadModel
 from isr_jax.errors import SceneError
-from isr_jax.evaluation.affordance import (
+from isr_jax.evaluation.matches import Match
+from isr_jax.evaluation.models.affordance import (
     MovingPart,
     asked_places,
     carrying_agreement,
@@ -19,13 +20,12 @@ from isr_jax.evaluation.affordance import (
     supporting_rectangles,
     volume_agreement,
 )
-from isr_jax.evaluation.appearance import delta_e, lab_of_srgb, mean_lab
-from isr_jax.evaluation.cad_alignment import AlignmentLimits
-from isr_jax.evaluation.cad_cases import PosedModel
-from isr_jax.evaluation.equivalence import combined, grade, upright_box
-from isr_jax.evaluation.matches import Match
-from isr_jax.evaluation.relations import class_agreement
-from isr_jax.evaluation.replacement import ReplacementScores, score_replacement
+from isr_jax.evaluation.models.appearance import delta_e, lab_of_srgb, mean_lab
+from isr_jax.evaluation.models.cad_alignment import AlignmentLimits
+from isr_jax.evaluation.models.cad_cases import PosedModel
+from isr_jax.evaluation.models.equivalence import combined, grade, upright_box
+from isr_jax.evaluation.models.relations import class_agreement
+from isr_jax.evaluation.models.replacement import ReplacementScores, score_replacement
 from isr_jax.evaluation.result_files import Result, Truth
 from isr_jax.evaluation.standing import read_standing
 from isr_jax.robot_model import RobotModel

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from isr_jax.evaluation.support_planes import height_of_plane
+from isr_jax.evaluation.graphs.support_planes import height_of_plane
 from isr_jax.scene_file import PlaneRecord
 
 from .builders import rotation_z

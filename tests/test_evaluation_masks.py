@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from isr_jax.classes import class_named
-from isr_jax.evaluation.instances import STRICT_IOUS, score_instances
-from isr_jax.evaluation.labels import Transfer
+from isr_jax.evaluation.maps.instances import STRICT_IOUS, score_instances
+from isr_jax.evaluation.maps.labels import Transfer
+from isr_jax.evaluation.maps.segments import MIN_POINTS, compare_segments
 from isr_jax.evaluation.result_files import Result, Truth
-from isr_jax.evaluation.segments import MIN_POINTS, compare_segments
 from isr_jax.geometry.boxes import canonical_box
 from isr_jax.scene_file import SceneFile
 

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from isr_jax.evaluation.released_code import (
+from isr_jax.evaluation.maps.released_code import (
     ReleasedCodeScores,
     count_as_released_code,
     pooled,
@@ -16,7 +16,7 @@ from isr_jax.evaluation.released_code import (
     released_true_class,
     triangle_soup,
 )
-from isr_jax.evaluation.tight_box import tight_box
+from isr_jax.evaluation.maps.tight_box import tight_box
 from isr_jax.geometry.boxes import canonical_box
 
 from .builders import box_mesh, rotation_z

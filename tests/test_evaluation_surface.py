@@ -12,9 +12,9 @@ from trimesh import Trimesh
 from trimesh.proximity import closest_point_naive
 
 from isr_jax.evaluation import SurfaceScores, evaluate
+from isr_jax.evaluation.maps.surface_scores import score_surface, surface_rate
+from isr_jax.evaluation.maps.true_surface import SITE_M, distance_to_surface, surface_sites
 from isr_jax.evaluation.result_files import Result, Truth
-from isr_jax.evaluation.surface_scores import score_surface, surface_rate
-from isr_jax.evaluation.true_surface import SITE_M, distance_to_surface, surface_sites
 from isr_jax.scene_file import SceneFile
 from isr_jax.types import Mesh
 

@@ -16,13 +16,13 @@ from isr_jax.raycast import camera_rays
 from isr_jax.robot_model import link_transforms
 from isr_jax.scene_file import read_scene
 from isr_jax.synthetic import NO_NOISE, Room, make_room, render_sequence, true_entities
-from isr_jax.synthetic.cameras import default_camera, named_camera
-from isr_jax.synthetic.filming import SURFACE_GRID_M, Film, SeenSurface, joined, thinned
-from isr_jax.synthetic.free_space import clearance_m, inside_room
-from isr_jax.synthetic.shading import lamp_place
-from isr_jax.synthetic.shell import WALL_M
+from isr_jax.synthetic.camera.cameras import default_camera, named_camera
+from isr_jax.synthetic.camera.free_space import clearance_m, inside_room
+from isr_jax.synthetic.camera.walk import camera_path
+from isr_jax.synthetic.film.film import SURFACE_GRID_M, Film, SeenSurface, joined, thinned
+from isr_jax.synthetic.image.shading import lamp_place
+from isr_jax.synthetic.openings import WALL_M
 from isr_jax.synthetic.surface import room_parts
-from isr_jax.synthetic.walk import camera_path
 
 from .furniture import furniture_library
 

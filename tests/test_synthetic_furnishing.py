@@ -11,15 +11,15 @@ from isr_jax.cad_types import CadModel
 from isr_jax.geometry import canonical_box
 from isr_jax.raycast import RayScene
 from isr_jax.synthetic import LayoutPatch, PlacedModel, Room, make_room
-from isr_jax.synthetic.clearance import meshes_apart
-from isr_jax.synthetic.kinds import DEMONSTRATION, RECIPES
-from isr_jax.synthetic.placement import Occupancy
-from isr_jax.synthetic.proposal import ON_FLOOR, Proposal
-from isr_jax.synthetic.recipe import roles_of
-from isr_jax.synthetic.roles import ROLES
+from isr_jax.synthetic.furnishing.clearance import meshes_apart
+from isr_jax.synthetic.furnishing.kinds import DEMONSTRATION, RECIPES
+from isr_jax.synthetic.furnishing.placement import Occupancy
+from isr_jax.synthetic.furnishing.proposal import ON_FLOOR, Proposal
+from isr_jax.synthetic.furnishing.recipe import roles_of
+from isr_jax.synthetic.furnishing.roles import ROLES
+from isr_jax.synthetic.furnishing.stock import Stock, stands
+from isr_jax.synthetic.furnishing.tops import carrying_planes, top_of
 from isr_jax.synthetic.room import ROOM_KINDS
-from isr_jax.synthetic.stock import Stock, stands
-from isr_jax.synthetic.tops import carrying_planes, top_of
 from isr_jax.types import Mesh
 
 from .builders import library_of, parts_model, table_model

@@ -11,9 +11,9 @@ from isr_jax.config import NoiseModel, PoseNoise
 from isr_jax.errors import SettingError
 from isr_jax.raycast import camera_rays
 from isr_jax.synthetic import NO_NOISE
-from isr_jax.synthetic.cameras import CAMERAS, default_camera, named_camera
-from isr_jax.synthetic.drift import NO_DRIFT, tracked_path
-from isr_jax.synthetic.noise import (
+from isr_jax.synthetic.camera.cameras import CAMERAS, default_camera, named_camera
+from isr_jax.synthetic.camera.drift import NO_DRIFT, tracked_path
+from isr_jax.synthetic.image.noise import (
     axial_sigma_m,
     correlated,
     depth_edges,
@@ -22,7 +22,7 @@ from isr_jax.synthetic.noise import (
     sensor_depth,
     too_dim,
 )
-from isr_jax.synthetic.projector import unlit
+from isr_jax.synthetic.image.projector import unlit
 from isr_jax.types import Camera
 
 WIDTH, HEIGHT = 80, 60

@@ -23,15 +23,15 @@ from isr_jax.synthetic import (
     true_entities,
     truth_scene,
 )
+from isr_jax.synthetic.camera.walk import camera_path
 from isr_jax.synthetic.cutting import cut_edges
 from isr_jax.synthetic.exterior import exterior_parts, open_planes
-from isr_jax.synthetic.filming import SURFACE_GRID_M, Film, joined
-from isr_jax.synthetic.placement import MARGIN_M, overlap_depths
-from isr_jax.synthetic.render import default_camera
+from isr_jax.synthetic.film.film import SURFACE_GRID_M, Film, joined
+from isr_jax.synthetic.film.render import default_camera
+from isr_jax.synthetic.furnishing.placement import MARGIN_M, overlap_depths
+from isr_jax.synthetic.furnishing.tops import carrying_planes
 from isr_jax.synthetic.room import ROOM_KINDS, upright_from_gravity
 from isr_jax.synthetic.surface import open_surface
-from isr_jax.synthetic.tops import carrying_planes
-from isr_jax.synthetic.walk import camera_path
 from isr_jax.types import Entities, Mesh
 
 from .builders import box_mesh, library_of, parts_model, table_model

@@ -21,7 +21,9 @@ from isr_jax.raycast import RayScene
 from isr_jax.robot_model import Texture, link_transforms
 from isr_jax.scene_file import ROOM_NAME, read_scene
 from isr_jax.synthetic import Room, make_room, true_entities, true_graph, true_placements
-from isr_jax.synthetic.filming import SeenSurface
+from isr_jax.synthetic.film.film import SeenSurface
+from isr_jax.synthetic.furnishing.shell import DOOR_CLEAR_M, make_shell
+from isr_jax.synthetic.furnishing.stock import Stock
 from isr_jax.synthetic.openings import (
     JOINT_M,
     rectangle_corners,
@@ -29,8 +31,6 @@ from isr_jax.synthetic.openings import (
     solid_rectangles,
 )
 from isr_jax.synthetic.room import LayoutPatch
-from isr_jax.synthetic.shell import DOOR_CLEAR_M, make_shell
-from isr_jax.synthetic.stock import Stock
 from isr_jax.synthetic.surface import first_parts, layout_surface, room_parts, whole_surface
 from isr_jax.synthetic.truth import scene_of_entities
 from isr_jax.synthetic.truth_files import joint_records, room_record, write_truth
@@ -255,6 +255,10 @@ def test_a_door_that_was_found_cuts_its_opening_into_a_wall_seen_whole():
     parts = slabs_of(wall, ExportSettings(), np.zeros((0, 3)), [door])
     left = sum(float(s.size[0] * s.size[1]) for s in parts)
     assert left == pytest.approx(float(slab.size[0] * slab.size[1]) - 0.91 * 2.005, abs=1e-5)
+    assert all(len(s.scan.faces) for s in parts)
+    flush = door + 0.492 * slab.T_world_slab[:3, 0] * -1  # 3 mm of wall are left at its side
+    widths = [s.size[0] for s in slabs_of(wall, ExportSettings(), np.zeros((0, 3)), [flush])]
+    assert min(widths) > 0.5
     before = door + 0.2 * slab.T_world_slab[:3, 2]
     assert len(slabs_of(wall, ExportSettings(), np.zeros((0, 3)), [before])) == 1
 

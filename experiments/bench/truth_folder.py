@@ -12,8 +12,8 @@ from scipy.spatial import KDTree
 from isr_jax.classes import class_named
 from isr_jax.entities.submesh import submesh
 from isr_jax.errors import SceneError
+from isr_jax.evaluation.maps.segments import observed_ids
 from isr_jax.evaluation.result_files import Truth, read_truth
-from isr_jax.evaluation.segments import observed_ids
 from isr_jax.geometry import stack_boxes
 from isr_jax.scene_file import ROOM_NAME, EntityRecord, PlaneRecord, SceneFile
 from isr_jax.types import (

@@ -14,7 +14,7 @@ from isr_jax.compile_cache import enable_compilation_cache
 from isr_jax.config import Settings, preset, with_overrides
 from isr_jax.console import ConsoleReporter
 from isr_jax.errors import IsrError, SequenceError
-from isr_jax.evaluation.released_code import (
+from isr_jax.evaluation.maps.released_code import (
     MIN_VERTICES,
     ReleasedCodeScores,
     ReleasedCounts,

@@ -11,11 +11,11 @@ from isr_jax import contact_graph, datasets, entities, mapping, segmentation
 from isr_jax.cad_types import CadLibrary
 from isr_jax.classes import class_named, classes
 from isr_jax.config import Settings
-from isr_jax.evaluation.boxes import score_boxes
-from isr_jax.evaluation.instances import score_instances
-from isr_jax.evaluation.labels import transfer
-from isr_jax.evaluation.panoptic import panoptic_scores
-from isr_jax.evaluation.released_code import (
+from isr_jax.evaluation.maps.boxes import score_boxes
+from isr_jax.evaluation.maps.instances import score_instances
+from isr_jax.evaluation.maps.labels import transfer
+from isr_jax.evaluation.maps.panoptic import panoptic_scores
+from isr_jax.evaluation.maps.released_code import (
     MIN_VERTICES,
     ReleasedCounts,
     count_as_released_code,
@@ -23,8 +23,8 @@ from isr_jax.evaluation.released_code import (
     released_true_class,
     triangle_soup,
 )
+from isr_jax.evaluation.maps.segments import compare_segments
 from isr_jax.evaluation.result_files import Result, read_truth
-from isr_jax.evaluation.segments import compare_segments
 from isr_jax.fusing import fuse
 from isr_jax.geometry.boxes import box_at
 from isr_jax.reporter import Reporter

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from isr_jax.errors import OutputError
 from isr_jax.evaluation import BoxScores, InstanceScores, PanopticScores
-from isr_jax.evaluation.released_code import ReleasedCodeScores, released_class
+from isr_jax.evaluation.maps.released_code import ReleasedCodeScores, released_class
 
 from ..published import MEAN, PublishedFigure
 

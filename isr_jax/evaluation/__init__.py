@@ -1,31 +1,31 @@
 """Scores of a result against the truth: panoptic quality, instances, boxes, contact graph, CAD
 alignment, surface."""
 
-from .average_precision import PrecisionRecall, average_precision, precision_recall
-from .boxes import BoxRow, BoxScores, box_iou_matrix
-from .cad_alignment import AlignmentLimits, CadPose, rotation_error_rad, score_cads
-from .cad_scores import CadRow, CadScores
-from .chamfer import ChamferRow, ChamferScores
-from .equivalence import EquivalenceRow, EquivalenceScores, PartDetails
-from .graph_scores import AttachmentScores, EdgeScores
-from .instances import InstanceRow, InstanceScores
-from .matches import Match
-from .panoptic import (
+from .graphs.graph_scores import AttachmentScores, EdgeScores
+from .graphs.support_planes import SupportPlaneRow, SupportPlaneScores
+from .maps.average_precision import PrecisionRecall, average_precision, precision_recall
+from .maps.boxes import BoxRow, BoxScores, box_iou_matrix
+from .maps.instances import InstanceRow, InstanceScores
+from .maps.panoptic import (
     ClassQuality,
     PanopticQuality,
     PanopticScores,
     contingency,
     panoptic_quality,
 )
-from .released_counting import ReleasedCounting
-from .replacement import ReplacementScores
+from .maps.released_counting import ReleasedCounting
+from .maps.surface_scores import SurfaceRate, SurfaceScores
+from .matches import Match
+from .models.cad_alignment import AlignmentLimits, CadPose, rotation_error_rad, score_cads
+from .models.cad_scores import CadRow, CadScores
+from .models.chamfer import ChamferRow, ChamferScores
+from .models.equivalence import EquivalenceRow, EquivalenceScores, PartDetails
+from .models.replacement import ReplacementScores
+from .models.retrieval import RetrievalRow, RetrievalScores
+from .models.scan2cad import AlignmentAccuracy, PosedCad, Scan2CadScores, score_scan2cad
 from .report import EvaluationReport
-from .retrieval import RetrievalRow, RetrievalScores
-from .scan2cad import AlignmentAccuracy, PosedCad, Scan2CadScores, score_scan2cad
 from .stage import evaluate
 from .standing import SetStanding, StandingScores
-from .support_planes import SupportPlaneRow, SupportPlaneScores
-from .surface_scores import SurfaceRate, SurfaceScores
 
 VERSION: int = 2
 

@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 
 from ..scene_file import EntityRecord
-from .boxes import box_iou_matrix
+from .maps.boxes import box_iou_matrix
+from .maps.segments import Comparison, observed_ids
 from .result_files import Result, Truth, moved_box
-from .segments import Comparison, observed_ids
 
 FALLBACK_IOU = 0.25
 """Box IoU at which what no segment matches is still taken for the same entity."""

@@ -12,18 +12,18 @@ from rich.table import Table
 
 from ..errors import OutputError
 from ..plain_text import plain_text
-from .boxes import BoxScores
-from .cad_scores import CadScores
 from .figures import Headline, percent
-from .graph_scores import AttachmentScores, EdgeScores
-from .instances import InstanceScores
+from .graphs.graph_scores import AttachmentScores, EdgeScores
+from .graphs.support_planes import SupportPlaneScores
+from .maps.boxes import BoxScores
+from .maps.instances import InstanceScores
+from .maps.panoptic import PanopticScores
+from .maps.released_counting import ReleasedCounting
+from .maps.surface_scores import SurfaceScores
 from .matches import Match
-from .panoptic import PanopticScores
-from .released_counting import ReleasedCounting
-from .replacement import ReplacementScores
+from .models.cad_scores import CadScores
+from .models.replacement import ReplacementScores
 from .standing import StandingScores
-from .support_planes import SupportPlaneScores
-from .surface_scores import SurfaceScores
 
 
 @dataclasses.dataclass(frozen=True)

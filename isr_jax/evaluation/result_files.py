@@ -12,7 +12,7 @@ from ..errors import SceneError
 from ..geometry.boxes import canonical_box
 from ..scene_file import SceneFile, read_scene
 from ..types import Box, Mesh
-from .ply_files import read_ply
+from .maps.ply_files import read_ply
 
 _COLUMNS = ("x", "y", "z", "instance", "class")
 _TRUTH_HINT = "give the folder truth/ of a rendered sequence"

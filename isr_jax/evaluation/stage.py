@@ -7,22 +7,22 @@ from pathlib import Path
 
 from ..cad_types import CadLibrary
 from ..types import Box
-from .boxes import score_boxes
-from .cad_alignment import AlignmentLimits
-from .cad_scores import score_cad_scene
-from .graph_scores import score_attachments, score_proximal, score_supports
-from .instances import score_instances
-from .labels import transfer
+from .graphs.graph_scores import score_attachments, score_proximal, score_supports
+from .graphs.support_planes import score_support_planes
+from .maps.boxes import score_boxes
+from .maps.instances import score_instances
+from .maps.labels import transfer
+from .maps.panoptic import panoptic_scores
+from .maps.released_counting import score_released_counting
+from .maps.segments import compare_segments, observed_ids
+from .maps.surface_scores import score_surface
 from .matches import match_entities
-from .panoptic import panoptic_scores
-from .released_counting import score_released_counting
-from .replacement import score_replacement
+from .models.cad_alignment import AlignmentLimits
+from .models.cad_scores import score_cad_scene
+from .models.replacement import score_replacement
 from .report import EvaluationReport
 from .result_files import read_result, read_truth
-from .segments import compare_segments, observed_ids
 from .standing import read_standing
-from .support_planes import score_support_planes
-from .surface_scores import score_surface
 
 
 def evaluate(

@@ -17,6 +17,8 @@ _LEVEL_COSINE = 0.98
 """A floor this level is made exactly level: the world frame says that it is."""
 _JOINT_M = 0.005
 """Between what fills an opening and the wall around it."""
+_LEAST_M = 0.01
+"""Thinner strips beside an opening belong to its joint."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -108,6 +110,8 @@ def _around(slab: Slab, fillings: Sequence[np.ndarray]) -> list[Slab]:
     width, height = slab.size[:2].tolist()
     parts = []
     for u0, v0, u1, v1 in rectangles_less((width, height), np.array(holes)).astype(np.float64):
+        if min(u1 - u0, v1 - v0) < _LEAST_M:
+            continue
         middle = np.array([(u0 + u1 - width) / 2, (v0 + v1 - height) / 2, 0.0])
         T = slab.T_world_slab.copy()
         T[:3, 3] = T[:3, :3] @ middle + T[:3, 3]
@@ -136,7 +140,18 @@ def _scan_parts(mesh: Mesh, slabs: list[Slab]) -> list[Mesh]:
         inside = np.clip(local, [*(-slab.size[:2] / 2), 0], [*(slab.size[:2] / 2), 0])
         beyond.append(np.linalg.norm(local - inside, axis=1))
     nearest = np.argmin(beyond, axis=0) if len(middle) else np.zeros(0, int)
-    return [_faces_of(mesh, nearest == k) for k in range(len(slabs))]
+    return [
+        _faces_of(mesh, nearest == k) if np.any(nearest == k) else _face_of(slab)
+        for k, slab in enumerate(slabs)
+    ]
+
+
+def _face_of(slab: Slab) -> Mesh:
+    """Two triangles over the face of a slab so small that no face of the scan is nearest to it."""
+    x, y, z = slab.size / 2
+    corners = np.array([(-x, -y, z), (x, -y, z), (x, y, z), (-x, y, z)])
+    moved = corners @ slab.T_world_slab[:3, :3].T + slab.T_world_slab[:3, 3]
+    return Mesh(moved.astype(np.float32), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
 
 
 def _faces_of(mesh: Mesh, chosen: np.ndarray) -> Mesh:

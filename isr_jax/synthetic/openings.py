@@ -11,6 +11,8 @@ from ..geometry.rectangles import divided, grid_less, rectangles_less
 from ..types import Mesh
 from .room import LayoutPatch
 
+WALL_M = 0.12
+"""Thickness of walls: an inner wall of light blocks and plaster. Seen in the openings."""
 JOINT_M = 0.005
 """Between a frame and the wall around it, on every side. Free in physics; to the eye it is filled,
 or rays would find their way out between the two."""

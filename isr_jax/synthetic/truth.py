@@ -18,10 +18,9 @@ from ..types import (
     PlaneSet,
 )
 from .exterior import open_planes
-from .openings import rectangle_corners, solid_rectangles
-from .placement import overlap_depths
+from .furnishing.placement import overlap_depths
+from .openings import WALL_M, rectangle_corners, solid_rectangles
 from .room import LayoutPatch, PlacedModel, Room
-from .shell import WALL_M
 from .surface import layout_surface, open_surface
 
 MAX_PLANES = 8

@@ -16,7 +16,7 @@ from ..errors import OutputError
 from ..robot_model import Joint, link_transforms
 from ..scene_file import write_scene
 from ..types import Mesh
-from .filming import SeenSurface
+from .film.film import SeenSurface
 from .openings import rectangle_corners
 from .room import LayoutPatch, PlacedModel, Room
 from .surface import room_parts

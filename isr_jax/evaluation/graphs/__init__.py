@@ -1,0 +1,1 @@
+"""Measures of contact graphs: edges, attachments, heights of supporting planes."""

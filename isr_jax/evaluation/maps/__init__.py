@@ -1,0 +1,1 @@
+"""Measures of maps: panoptic quality, instances, boxes, surface."""

@@ -1,0 +1,1 @@
+"""Measures of CAD replacement: retrieval, alignment, Chamfer, functional equivalence."""

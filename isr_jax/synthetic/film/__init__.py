@@ -1,0 +1,1 @@
+"""Filming: frames, true labels, what each frame shows, and the sequence on disk."""

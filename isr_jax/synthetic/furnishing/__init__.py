@@ -1,0 +1,1 @@
+"""Furnishing: which models stand where in a room, by recipe; pure geometry and chance."""
