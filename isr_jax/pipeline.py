@@ -101,7 +101,28 @@ def reconstruct(
     runner = runner or StageRunner()
     library = library or default_library()
     segmenter = segmenter or segmentation.open_segmenter("masks", sequence.source)
-    mapped = runner.run(
+    mapped = map_sequence(sequence, segmenter, settings, runner)
+    found = runner.run(
+        "entities",
+        entities.VERSION,
+        settings.entities,
+        {"map": mapped},
+        Entities,
+        lambda: entities.extract_entities(
+            mapped.surface, sequence.T_world_dataset, settings.entities
+        ),
+    )
+    return dataclasses.replace(furnish(found, library, settings, runner), mapping=mapped)
+
+
+def map_sequence(
+    sequence: Sequence,
+    segmenter: segmentation.Segmenter,
+    settings: Settings,
+    runner: StageRunner,
+) -> MappingResult:
+    """Fuse all frames into one panoptic map; the runner keeps it."""
+    return runner.run(
         "mapping",
         mapping.VERSION,
         {
@@ -116,17 +137,6 @@ def reconstruct(
         MappingResult,
         lambda: fuse(sequence, segmenter, settings, runner),
     )
-    found = runner.run(
-        "entities",
-        entities.VERSION,
-        settings.entities,
-        {"map": mapped},
-        Entities,
-        lambda: entities.extract_entities(
-            mapped.surface, sequence.T_world_dataset, settings.entities
-        ),
-    )
-    return dataclasses.replace(furnish(found, library, settings, runner), mapping=mapped)
 
 
 def furnish(
@@ -290,4 +300,13 @@ def _draw(scene: Scene, out_dir: Path) -> None:
         drawing.draw_mesh(painted, out_dir / "map" / "panoptic.png")
 
 
-__all__ = ["STAGES", "RunResult", "Scene", "finish", "furnish", "reconstruct", "run"]
+__all__ = [
+    "STAGES",
+    "RunResult",
+    "Scene",
+    "finish",
+    "furnish",
+    "map_sequence",
+    "reconstruct",
+    "run",
+]

@@ -25,6 +25,8 @@ MAX_PENETRATION_M = 0.001
 """At the start, between two bodies of which one can move."""
 MAX_JOINT_DRIFT = 0.02
 """Radians, or of slides as many quarters of a metre: 5 mm at 25 cm from the hinge."""
+TAKEN_AWAY = "taken away"
+"""In the notes of a room, of what did not stand."""
 _SLIDE_M = 0.25
 _WORTH_SAYING_M = 1e-4
 _WITH_ASSETS = ("assets", "map", "scene_description")
@@ -227,7 +229,7 @@ def without(room: Room, faults: dict[str, str]) -> tuple[Room, tuple[str, ...], 
     for name, why in faults.items():
         carried = [item.name for item in carried_by(room, name)]
         also = f", and with it {', '.join(carried)}" if carried else ""
-        notes.append(f"{name} taken away: {why}{also}")
+        notes.append(f"{name} {TAKEN_AWAY}: {why}{also}")
     items = tuple(item for item in room.items if item.name not in gone)
     kept = dataclasses.replace(room, items=items, notes=(*room.notes, *notes))
     return kept, tuple(notes), tuple(gone)

@@ -501,6 +501,23 @@ def test_the_figures_of_a_room_come_from_its_truth(done):
     room = json.loads((plan.film_dir(ROOM) / "truth" / "room.json").read_text())
     assert int(columns["objects"]) == sum(i["kind"] == "thing" for i in room["items"])
     assert 0 < int(columns["seen, %"]) <= 100 and 0 < int(columns["occluded, %"]) < 100
+    assert columns["taken away"] == "0" and columns["drift, mm"] == "-", "it was not settled"
+
+
+def test_the_drift_of_a_room_that_was_settled_is_shown(tmp_path):
+    truth = tmp_path / "rooms" / "in-library-office-1" / "film" / "truth"
+    (truth / "twin").mkdir(parents=True)
+    item = {"name": "cup_2", "kind": "thing", "class": "cup", "joints": [], "parent": None}
+    notes = ["cup_3 taken away: moved 12.0 mm", "the library has nothing for: rug"]
+    room = {"items": [item], "size_m": [4.0, 3.0, 2.5], "notes": notes}
+    views = {"room": {"occlusion": 0.25, "seen": 0.5, "well_seen": None}}
+    bodies = [{"drift_end_m": 0.0012}, {"drift_end_m": 0.0034}]
+    (truth / "room.json").write_text(json.dumps(room))
+    (truth / "views.json").write_text(json.dumps(views))
+    twin = {"exported": {"bodies": bodies}}
+    (truth / "twin" / "stability.json").write_text(json.dumps(twin))
+    (line, mean) = room_sheet(tmp_path).lines
+    assert line[1:] == mean[1:] == ("12", "1", "1", "0", "0", "25", "50", "-", "1", "3.4")
 
 
 def test_rooms_that_are_not_there_are_an_error(tmp_path):

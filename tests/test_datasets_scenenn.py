@@ -20,7 +20,7 @@ from isr_jax.datasets import (
 )
 from isr_jax.datasets.annotated_mesh import AnnotatedBox, AnnotatedInstance, AnnotatedMesh
 from isr_jax.datasets.annotation_names import NYU40_NAMES, class_of_name
-from isr_jax.datasets.annotation_truth import gravity_aligned, least_box
+from isr_jax.datasets.annotation_truth import gravity_aligned
 from isr_jax.datasets.images import read_color, read_depth
 from isr_jax.datasets.layouts import read_recording
 from isr_jax.datasets.ply_tables import read_ply_mesh
@@ -553,31 +553,6 @@ def test_a_leaning_box_is_refitted_and_the_user_told(tmp_path):
     scene = truth_from_annotation(annotated, T_WORLD, tmp_path)
     np.testing.assert_allclose(scene.entities[0].box.size, [0.4, 0.6, 0.8], atol=1e-5)
     assert any("leans by 25 degrees" in note for note in scene.settings["notes"])
-
-
-def test_the_least_box_is_no_larger_than_any_turned_one():
-    """Against every angle in steps of a quarter of a degree."""
-    rng = np.random.default_rng(5)
-    for _ in range(5):
-        points = rng.normal(size=(40, 3)) * [1.0, 0.4, 0.2]
-        box = least_box(points)
-        angles = np.deg2rad(np.arange(0, 90, 0.25))
-        u = points[:, 0] * np.cos(angles)[:, None] + points[:, 1] * np.sin(angles)[:, None]
-        v = points[:, 1] * np.cos(angles)[:, None] - points[:, 0] * np.sin(angles)[:, None]
-        brute = (np.ptp(u, axis=1) * np.ptp(v, axis=1)).min()
-        assert float(box.size[0] * box.size[1]) <= brute + 1e-6
-        c, s = np.cos(float(box.yaw)), np.sin(float(box.yaw))
-        local = (points - box.center) @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-        assert (np.abs(local) <= box.size / 2 + 1e-5).all()
-
-
-@pytest.mark.parametrize(
-    "points", [[[1, 2, 3]], [[0, 0, 0], [1, 1, 1]], [[0, 0, 0], [1, 1, 0], [2, 2, 5]]]
-)
-def test_points_without_a_footprint_have_a_flat_box(points):
-    box = least_box(np.array(points, float))
-    assert np.isfinite(box.center).all() and min(box.size[:2]) == pytest.approx(0, abs=1e-6)
-    assert np.hypot(*box.size[:2]) == pytest.approx(np.hypot(*np.ptp(points, axis=0)[:2]), abs=1e-6)
 
 
 def test_a_world_that_is_not_finite_is_refused(tmp_path):

@@ -17,13 +17,13 @@ from isr_jax.entities import (
     extract_entities,
     facing_direction,
     gravity_box,
-    min_area_angle,
 )
 from isr_jax.entities.planes import find_planes, plane_set
 from isr_jax.entities.ransac import best_plane, peel_planes
 from isr_jax.entities.rectangles import robust_rectangle
 from isr_jax.entities.submesh import main_pieces, submesh
 from isr_jax.geometry import box_corners
+from isr_jax.geometry.tight_box import min_area_angle
 from isr_jax.types import Mesh, PanopticSurface
 
 from .builders import box_mesh, rotation_z

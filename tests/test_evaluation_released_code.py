@@ -16,10 +16,9 @@ from isr_jax.evaluation.maps.released_code import (
     released_true_class,
     triangle_soup,
 )
-from isr_jax.evaluation.maps.tight_box import tight_box
 from isr_jax.geometry.boxes import canonical_box
 
-from .builders import box_mesh, rotation_z
+from .builders import box_mesh
 
 FLOAT32 = 1e-6
 
@@ -202,20 +201,3 @@ def test_soup_has_three_vertices_a_triangle_and_none_between_instances():
     corners, instance = triangle_soup(vertices, faces, np.array([1, 1, 1, 2]))
     np.testing.assert_array_equal(corners, vertices[[0, 1, 2, 1, 2, 3]])
     assert instance.tolist() == [1, 1, 1, 0, 0, 0]
-
-
-@pytest.mark.parametrize("yaw", [0.0, 0.3, -0.7])
-def test_tight_box_of_a_turned_box(yaw):
-    points = box_mesh((1.0, 0.4, 0.8), (2, -1, 0.4), yaw, spacing_m=0.1).vertices
-    box = tight_box(points)
-    np.testing.assert_allclose(box.center, (2, -1, 0.4), atol=1e-5)
-    np.testing.assert_allclose(sorted(box.size), (0.4, 0.8, 1.0), atol=1e-5)
-    local = (points - box.center) @ rotation_z(float(box.yaw))
-    assert np.all(np.abs(local) <= np.asarray(box.size) / 2 + 1e-5)
-
-
-@pytest.mark.parametrize("points", [np.zeros((1, 3)), np.eye(3)[:2], np.eye(3)[[0] * 5]])
-def test_tight_box_of_a_few_points(points):
-    box = tight_box(points)
-    np.testing.assert_allclose(box.center, (points.min(0) + points.max(0)) / 2, atol=FLOAT32)
-    np.testing.assert_allclose(box.size, np.ptp(points, 0), atol=FLOAT32)

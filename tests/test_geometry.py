@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from isr_jax import geometry
+from isr_jax.geometry.tight_box import tight_box
 from isr_jax.types import Box
 
-from .builders import box_mesh
+from .builders import box_mesh, rotation_z
 from .reference import geometry_reference as slow
 
 METRES = 2e-5
@@ -200,3 +201,38 @@ def test_stacked_boxes_come_apart_again(count):
         for field in ("center", "yaw", "size"):
             apart = getattr(geometry.box_at(stacked, i), field)
             np.testing.assert_array_equal(apart, getattr(box, field))
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.3, -0.7])
+def test_tight_box_of_a_turned_box(yaw):
+    points = box_mesh((1.0, 0.4, 0.8), (2, -1, 0.4), yaw, spacing_m=0.1).vertices
+    box = tight_box(points)
+    np.testing.assert_allclose(box.center, (2, -1, 0.4), atol=1e-5)
+    np.testing.assert_allclose(sorted(box.size), (0.4, 0.8, 1.0), atol=1e-5)
+    local = (points - box.center) @ rotation_z(float(box.yaw))
+    assert np.all(np.abs(local) <= np.asarray(box.size) / 2 + 1e-5)
+
+
+def test_the_tight_box_is_no_larger_than_any_turned_one():
+    """Against every angle in steps of a quarter of a degree."""
+    rng = np.random.default_rng(5)
+    for _ in range(5):
+        points = rng.normal(size=(40, 3)) * [1.0, 0.4, 0.2]
+        box = tight_box(points)
+        angles = np.deg2rad(np.arange(0, 90, 0.25))
+        u = points[:, 0] * np.cos(angles)[:, None] + points[:, 1] * np.sin(angles)[:, None]
+        v = points[:, 1] * np.cos(angles)[:, None] - points[:, 0] * np.sin(angles)[:, None]
+        brute = (np.ptp(u, axis=1) * np.ptp(v, axis=1)).min()
+        assert float(box.size[0] * box.size[1]) <= brute + 1e-6
+        c, s = np.cos(float(box.yaw)), np.sin(float(box.yaw))
+        local = (points - box.center) @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        assert (np.abs(local) <= box.size / 2 + 1e-5).all()
+
+
+@pytest.mark.parametrize(
+    "points", [[[1, 2, 3]], [[0, 0, 0], [1, 1, 1]], [[0, 0, 0], [1, 1, 0], [2, 2, 5]]]
+)
+def test_points_without_a_footprint_have_a_flat_box(points):
+    box = tight_box(np.array(points, float))
+    assert np.isfinite(box.center).all() and min(box.size[:2]) == pytest.approx(0, abs=1e-6)
+    assert np.hypot(*box.size[:2]) == pytest.approx(np.hypot(*np.ptp(points, axis=0)[:2]), abs=1e-6)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from isr_jax.cad import default_library
 from isr_jax.cad_types import CadLibrary
 from isr_jax.errors import SceneError
 from isr_jax.room_making import (
@@ -20,7 +21,7 @@ from isr_jax.room_making import (
 )
 from isr_jax.scene_file import read_scene
 from isr_jax.synthetic import Room
-from isr_jax.synthetic.room import PlacedModel
+from isr_jax.synthetic.room import ROOM_KINDS, PlacedModel
 
 from .builders import library_of, table_model, without_hulls
 from .films import Recorder
@@ -170,6 +171,15 @@ def test_a_made_room_stands(tmp_path: Path):
     names = {item.name for item in result.room.items}
     assert not names & set(result.removed)
     assert {e.name for e in read_scene(tmp_path / "scene.json").entities if e.cad} == names
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1, 11))
+def test_ten_rooms_stand(seed):
+    kind = ROOM_KINDS[seed % len(ROOM_KINDS)]
+    result = standing_room(seed, default_library(), kind=kind)
+    assert max(body.drift_end_m for body in result.report.exported.bodies) < MAX_DRIFT_M
+    assert len(result.room.things) >= 20 and len(result.removed) <= 3
 
 
 def test_a_room_that_never_stands_is_refused(monkeypatch):

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 
 from isr_jax.errors import SceneError
+from isr_jax.room_making import TAKEN_AWAY
 
 from .report import Sheet
 
 _HEADINGS = (
     "room", "m2", "objects", "classes", "with joints", "levels", "occluded, %", "seen, %",
-    "well seen, %",
+    "well seen, %", "taken away", "drift, mm",
 )  # fmt: skip
 
 
@@ -25,6 +26,8 @@ def room_sheet(out_dir: Path) -> Sheet:
     on a table: 3). Occluded: of an entity's pixels that nothing but the image's border would
     hide, the share that other things hide; seen: the share of an entity's observable surface that
     the camera saw; both are means over entities. Well seen: entities seen for the most part.
+    Taken away: items that did not stand; drift: the farthest that a body of the room that was
+    filmed moved in 5 s of MuJoCo.
 
     Raises:
         SceneError: no room was filmed, or a truth folder cannot be read.
@@ -54,7 +57,17 @@ def _figures(truth_dir: Path) -> tuple[float | None, ...]:
         float(sum(any(j["kind"] != "fixed" for j in item["joints"]) for item in things)),
         float(max((_level(item["name"], parents) for item in things), default=0)),
         *(None if share is None else 100.0 * share for share in shares),
+        float(sum(TAKEN_AWAY in note for note in room["notes"])),
+        _drift_mm(truth_dir / "twin" / "stability.json"),
     )
+
+
+def _drift_mm(path: Path) -> float | None:
+    """None for a film whose room was not made to stand."""
+    if not path.exists():
+        return None
+    bodies = _read(path)["exported"]["bodies"]
+    return 1000.0 * max((body["drift_end_m"] for body in bodies), default=0.0)
 
 
 def _level(name: str | None, parents: dict[str, str | None]) -> int:
@@ -72,4 +85,6 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _shown(value: float | None) -> str:
-    return "-" if value is None else f"{value:.0f}"
+    if value is None:
+        return "-"
+    return f"{value:.0f}" if value >= 10 or value == int(value) else f"{value:.2g}"

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from isr_jax import contact_graph, datasets, entities, mapping, segmentation
+from isr_jax import contact_graph, datasets, entities, segmentation
 from isr_jax.cad_types import CadLibrary
-from isr_jax.classes import class_named, classes
+from isr_jax.classes import classes
 from isr_jax.config import Settings
 from isr_jax.evaluation.maps.boxes import score_boxes
 from isr_jax.evaluation.maps.instances import score_instances
@@ -25,8 +25,9 @@ from isr_jax.evaluation.maps.released_code import (
 )
 from isr_jax.evaluation.maps.segments import compare_segments
 from isr_jax.evaluation.result_files import Result, read_truth
-from isr_jax.fusing import fuse
+from isr_jax.export.labels import final_labels
 from isr_jax.geometry.boxes import box_at
+from isr_jax.pipeline import map_sequence
 from isr_jax.reporter import Reporter
 from isr_jax.run_folder import RunFolder
 from isr_jax.scene_file import scene_from_stages
@@ -36,7 +37,6 @@ from isr_jax.types import (
     Box,
     ContactGraph,
     Entities,
-    MappingResult,
     PanopticSurface,
     Placement,
 )
@@ -107,19 +107,7 @@ def score_sequence(
 
 def find(sequence, segmenter, settings: Settings, runner: StageRunner) -> Found:
     """The paper's way as far as the contact graph; the map is kept."""
-    parts = ("input", "segmentation", "mapping")
-    mapped = runner.run(
-        "mapping",
-        mapping.VERSION,
-        {name: dataclasses.asdict(getattr(settings, name)) for name in parts},
-        {
-            "sequence": sequence.content_hash(),
-            "segmenter": segmenter.content_hash(),
-            "segmentation_version": str(segmentation.VERSION),
-        },
-        MappingResult,
-        lambda: fuse(sequence, segmenter, settings, runner),
-    )
+    mapped = map_sequence(sequence, segmenter, settings, runner)
     items = entities.extract_entities(mapped.surface, sequence.T_world_dataset, settings.entities)
     graph = contact_graph.build_contact_graphs([items], settings.contact_graph)[0]
     return Found(mapped.surface, items, graph)
@@ -132,7 +120,9 @@ def _exact(found: Found, truth_dir: Path) -> ExactScores:
     scene = scene_from_stages(found.entities, found.graph, placements, CadLibrary((), "", ""), {})
     mesh = found.surface.mesh
     vertices = np.asarray(mesh.vertices, np.float64)
-    result = Result(scene, vertices, mesh.faces, *_final_labels(found), np.eye(4))
+    result = Result(
+        scene, vertices, mesh.faces, *final_labels(found.entities, found.surface), np.eye(4)
+    )
     compared = compare_segments(truth, result, transfer(truth.points, result.points))
     unrefined = {e.name: e.box for e in found.entities}
     return ExactScores(
@@ -149,20 +139,6 @@ def _merged(found: Found) -> np.ndarray:
     for entity in found.entities:
         instance = np.where(np.isin(instance, entity.merged_ids), entity.id, instance)
     return instance
-
-
-def _final_labels(found: Found) -> tuple[np.ndarray, np.ndarray]:
-    """Instance and class a vertex as the entities have them; things that became none are 0."""
-    instance, things = _merged(found), [e for e in found.entities if not e.is_layout]
-    size = max([int(instance.max(initial=0)), *(e.id for e in found.entities)]) + 1
-    class_of = np.zeros(size, np.int64)
-    class_of[found.surface.instance_ids] = found.surface.class_ids
-    for entity in things:
-        class_of[entity.id] = class_named(entity.class_name).id
-    is_thing = np.array([info.kind == "thing" for info in classes()])[class_of[instance]]
-    lost = is_thing & ~np.isin(instance, [e.id for e in things])
-    instance = np.where(lost, 0, instance)
-    return instance, np.where(instance > 0, class_of[instance], 0)
 
 
 def _released(

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.spatial import ConvexHull, QhullError
 
 from ..classes import class_named
 from ..errors import OutputError, SequenceError
 from ..geometry.boxes import canonical_box
+from ..geometry.tight_box import tight_box
 from ..scene_file import ROOM_NAME, EntityRecord, SceneFile, write_scene
 from ..types import Box, Mesh
 from .annotated_mesh import AnnotatedBox, AnnotatedInstance, AnnotatedMesh
@@ -140,9 +140,9 @@ def _entity_box(
 ) -> tuple[Box, float]:
     """The annotated box made gravity-aligned, else the vertices' own; and how far it leans."""
     if item.box is None:
-        return least_box(points), 0.0
+        return tight_box(points), 0.0
     upright, tilt_deg = gravity_aligned(item.box, T)
-    return (least_box(points) if tilt_deg > _TILTED_DEG else upright), tilt_deg
+    return (tight_box(points) if tilt_deg > _TILTED_DEG else upright), tilt_deg
 
 
 def gravity_aligned(box: AnnotatedBox, T_world_dataset: np.ndarray) -> tuple[Box, float]:
@@ -155,36 +155,6 @@ def gravity_aligned(box: AnnotatedBox, T_world_dataset: np.ndarray) -> tuple[Box
     yaw = float(np.arctan2(R[1, longer], R[0, longer])) - (0 if longer == x else np.pi / 2)
     tilt_deg = float(np.rad2deg(np.arccos(np.clip(abs(R[2, up]), 0, 1))))
     return canonical_box(center, yaw, box.size[[x, y, up]]), tilt_deg
-
-
-def least_box(points: Float[np.ndarray, "points 3"]) -> Box:
-    """The gravity-aligned box of least footprint around points, world frame.
-
-    One side of the least rectangle lies along an edge of the convex hull (Freeman and Shapira,
-    "Determining the Minimum-Area Encasing Rectangle", 1975).
-    """
-    flat = points[:, :2]
-    try:
-        hull = flat[ConvexHull(flat).vertices]
-    except (QhullError, ValueError):  # fewer than three points, or all on a line
-        hull = flat
-        edges = (flat[np.argmax(np.linalg.norm(flat - flat[0], axis=1))] - flat[0])[None]
-    else:
-        edges = np.roll(hull, -1, 0) - hull
-    angle = np.arctan2(edges[:, 1], edges[:, 0])
-    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    u, v = c * hull[:, 0] + s * hull[:, 1], -s * hull[:, 0] + c * hull[:, 1]
-    size = np.stack([np.ptp(u, axis=1), np.ptp(v, axis=1)], 1)
-    best = int(np.argmin(size.prod(1)))
-    middle = np.array([u[best].min() + u[best].max(), v[best].min() + v[best].max()]) / 2
-    low, high = points[:, 2].min(), points[:, 2].max()
-    cos, sin = float(c[best, 0]), float(s[best, 0])
-    center = cos * middle[0] - sin * middle[1], sin * middle[0] + cos * middle[1]
-    return canonical_box(
-        np.array([*center, (low + high) / 2]),
-        float(angle[best]),
-        np.array([*size[best], high - low]),
-    )
 
 
 def _write_observed(

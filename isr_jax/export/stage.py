@@ -7,16 +7,14 @@ import os
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..cad_types import CadLibrary
-from ..classes import class_named, classes
 from ..config import ExportSettings
 from ..errors import OutputError
 from ..scene_file import SceneFile, scene_from_stages, write_scene
 from ..types import ContactGraph, Entities, PanopticSurface, Placement
 from .bodies import Body, scene_bodies
 from .glb_scene import write_glb
+from .labels import final_labels
 from .mjcf_scene import write_mjcf
 from .ply import write_ply
 from .resting import Adjustments, settle_down
@@ -101,27 +99,10 @@ def _write_map(
         if entity.id in paths:
             write_ply(out_dir / paths[entity.id], entity.mesh)
     if surface is not None:
-        instance, class_id = _final_labels(entities, surface)
+        instance, class_id = final_labels(entities, surface)
         extra = {"instance": instance, "class": class_id}
         write_ply(out_dir / "map" / "panoptic.ply", surface.mesh, extra)
     return paths
-
-
-def _final_labels(entities: Entities, surface: PanopticSurface) -> tuple[np.ndarray, np.ndarray]:
-    """Instance and class of each vertex as the entities have them.
-
-    Joined instances have one id; things that became no entity have instance 0.
-    """
-    rows = {int(i): k for k, i in enumerate(surface.instance_ids)}
-    size = int(surface.instance_ids.max(initial=0)) + 1
-    id_of, class_of = np.zeros(size, np.int32), np.zeros(size, np.int32)
-    for id, row in rows.items():
-        class_of[id] = surface.class_ids[row]
-        id_of[id] = 0 if classes()[class_of[id]].kind == "thing" else id
-    for entity in entities:
-        ids = [i for i in (entity.id, *entity.merged_ids) if i in rows and not entity.is_layout]
-        id_of[ids], class_of[ids] = entity.id, class_named(entity.class_name).id
-    return id_of[surface.instance], class_of[surface.instance]
 
 
 def _moved(placements: tuple[Placement, ...], bodies: tuple[Body, ...]) -> tuple[Placement, ...]:

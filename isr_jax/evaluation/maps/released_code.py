@@ -28,10 +28,10 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import KDTree
 
+from ...geometry.tight_box import tight_box
 from ...types import Box
 from ..figures import mean
 from .boxes import box_iou_matrix
-from .tight_box import tight_box
 
 MIN_VERTICES = 1000
 _MATCH_IOU = 0.5
