@@ -245,7 +245,15 @@ def test_the_description_says_the_rates_and_what_is_not_known():
 
 
 @pytest.mark.parametrize("level", LEVELS)
-@pytest.mark.parametrize("things", [(), (("chair", 0, 0, 9, 9),), (("chair", 0, 0, *SHAPE),)])
+@pytest.mark.parametrize(
+    "things",
+    [
+        (),
+        (("chair", 0, 0, 9, 9),),
+        (("chair", 0, 0, *SHAPE),),
+        (("floor", 5, 5, 1, 1),),  # one pixel of layout, of which 0.9 is none
+    ],
+)
 def test_empty_and_full_images_are_images_too(level, things):
     for k in range(10):
         found = SimulatedSegmenter(Fixed(masks_of(*things)), level)(frame(INDEPENDENT * k))

@@ -239,7 +239,7 @@ def _layout(frame: TrueFrame, rates: NoiseRates, covered: np.ndarray):
         wanted = int(recall * np.count_nonzero(pixels))
         noise = smooth_noise(pixels.shape, 60.0, frame.random)
         if wanted < np.count_nonzero(free):
-            values = noise[free]
-            cut = np.partition(values, len(values) - wanted)[len(values) - wanted]
+            values = np.append(noise[free], np.inf)  # so that of one pixel none can be wanted
+            cut = np.partition(values, -1 - wanted)[-1 - wanted]
             free &= noise >= cut
         yield free, int(class_id), float(frame.random.uniform(0.8, 1.0))
