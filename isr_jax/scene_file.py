@@ -23,6 +23,8 @@ from .types import ROOM, UNSUPPORTED, Box, Candidate, ContactGraph, Entities, En
 
 SCHEMA_VERSION = "1.0"
 ROOM_NAME = "room"
+NOT_ANNOTATED = "not annotated"
+"""In the ``settings`` of a true scene, of ``supports`` and ``cad`` that nobody wrote down."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

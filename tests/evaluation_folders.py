@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from isr_jax.classes import class_named
-from isr_jax.evaluation import EvaluationReport, evaluate, surface_scores, true_surface
+from isr_jax.evaluation import EvaluationReport, evaluate
+from isr_jax.evaluation.maps import surface_scores, true_surface
 from isr_jax.geometry.boxes import canonical_box
 from isr_jax.scene_file import CadRecord, EntityRecord, PlaneRecord, SceneFile, write_scene
 

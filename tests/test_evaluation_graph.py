@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
 
+from isr_jax.evaluation import evaluate
 from isr_jax.evaluation.graphs.support_planes import height_of_plane
-from isr_jax.scene_file import PlaneRecord
+from isr_jax.scene_file import NOT_ANNOTATED, PlaneRecord
 
 from .builders import rotation_z
 from .evaluation_folders import Folders, make_folders, measure_surfaces_fast
@@ -59,6 +61,18 @@ def test_supports_of_found_leave_out_what_is_lost_or_false(folders):
     assert (s.predicted_of_found, s.reachable) == (3, 1)
     assert (s.precision, s.recall) == (0.25, 0.25)
     assert (s.precision_of_found, s.recall_of_found) == (pytest.approx(1 / 3), 1.0)
+
+
+def test_what_nobody_annotated_is_not_asked(folders):
+    """A scan's truth has no supports: no edge of the result is right or wrong."""
+    path = folders.write() and folders.truth / "scene.json"
+    data = json.loads(path.read_text())
+    data["settings"]["supports"] = NOT_ANNOTATED
+    path.write_text(json.dumps(data))
+    report = evaluate(folders.write(), folders.truth)
+    for edges in (report.supports, report.proximal):
+        assert (edges.precision, edges.recall, edges.predicted) == (None, None, 0)
+    assert (report.attachments.accuracy, report.attachments.count) == (None, 0)
 
 
 def lifted(plane: PlaneRecord, by_m: float) -> PlaneRecord:

@@ -18,7 +18,7 @@ from ..classes import class_named
 from ..errors import OutputError, SequenceError
 from ..geometry.boxes import canonical_box
 from ..geometry.tight_box import tight_box
-from ..scene_file import ROOM_NAME, EntityRecord, SceneFile, write_scene
+from ..scene_file import NOT_ANNOTATED, ROOM_NAME, EntityRecord, SceneFile, write_scene
 from ..types import Box, Mesh
 from .annotated_mesh import AnnotatedBox, AnnotatedInstance, AnnotatedMesh
 
@@ -66,8 +66,8 @@ def truth_from_annotation(
         T,
         settings={
             "annotation": annotated.annotation,
-            "supports": "not annotated",
-            "cad": "not annotated",
+            "supports": NOT_ANNOTATED,
+            "cad": NOT_ANNOTATED,
             "notes": [*annotated.notes, *notes],
         },
     )

@@ -1,6 +1,7 @@
 """The contact graph: support edges, proximal pairs and attachments, under the matching of entities.
 
 Only things that the camera saw are asked for. Layout carries things, but makes no proximal pair.
+Where supports are not annotated nothing is asked, and all rates are None.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Set
 
-from ...scene_file import ROOM_NAME, EntityRecord, SceneFile
+from ...scene_file import NOT_ANNOTATED, ROOM_NAME, EntityRecord, SceneFile
 from ..figures import Headline, counted, percent, share
 from ..matches import Match
 
@@ -79,6 +80,8 @@ def score_supports(truth: SceneFile, result: SceneFile, matches: tuple[Match, ..
 
     Layout is named by its class: a wall may be cut into pieces elsewhere than in the truth.
     """
+    if not _annotated(truth):
+        return _NOTHING_ASKED
     asked = {m.truth for m in matches}
     true = {(child, parent) for child, parent in _supports(truth) if child in asked}
     return _compared(true, _supports(result), matches)
@@ -86,6 +89,8 @@ def score_supports(truth: SceneFile, result: SceneFile, matches: tuple[Match, ..
 
 def score_proximal(truth: SceneFile, result: SceneFile, matches: tuple[Match, ...]) -> EdgeScores:
     """Pairs of things so close that their boxes overlap, though neither carries the other."""
+    if not _annotated(truth):
+        return _NOTHING_ASKED
     asked = {m.truth for m in matches}
     true = {(a, b) for a, b in _close(truth) if a in asked and b in asked}
     predicted = _close(result)
@@ -93,6 +98,13 @@ def score_proximal(truth: SceneFile, result: SceneFile, matches: tuple[Match, ..
     # A pair has no order: each side is sorted by the names of the truth.
     ordered = {tuple(sorted(pair, key=lambda e: name.get(e, e))) for pair in predicted}
     return _compared({tuple(sorted(pair)) for pair in true}, ordered, matches)
+
+
+def _annotated(truth: SceneFile) -> bool:
+    return truth.settings.get("supports") != NOT_ANNOTATED
+
+
+_NOTHING_ASKED = EdgeScores.of(0, 0, 0, 0, 0)
 
 
 def _compared(
@@ -137,7 +149,7 @@ def score_attachments(
 ) -> AttachmentScores:
     """For each found thing that nothing carries: whether the result says how it stays up."""
     same = []
-    for match in matches:
+    for match in matches if _annotated(truth) else ():
         if match.predicted is None or truth.entity(match.truth).parent is not None:
             continue
         true, found = truth.entity(match.truth), result.entity(match.predicted)
