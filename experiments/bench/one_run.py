@@ -34,7 +34,7 @@ from isr_jax.stage_runner import StageRunner
 from isr_jax.store import StageStore
 
 from .cost import CostMeter
-from .oracle import MASKS, NONE, STAGES, TruthRunner, truth_of_stages
+from .oracle import MASKS, NONE, TRUE_MODELS, TruthRunner, truth_of_stages
 from .plan import Plan, RoomSpec, Run
 from .rows import Row, Value, flatten
 from .truth_folder import read_true_scene
@@ -69,16 +69,14 @@ class Libraries:
 
     def of_run(self, run: Run) -> CadLibrary:
         """That reconstructs it: the kit, but where the true models are given."""
-        given = STAGES.index(run.truth_up_to) if run.truth_up_to in STAGES else -1
-        true_models = given >= STAGES.index("matching")
-        return self.of_room(run.room) if true_models else self.kit
+        return self.of_room(run.room) if run.truth_up_to in TRUE_MODELS else self.kit
 
 
 def run_key(plan: Plan, run: Run, libraries: Libraries) -> str:
     """Digest of everything that the values of a run depend on."""
     parts = {
         "bench": _VERSION,
-        "settings": settings_to_dict(plan.settings(run.preset)),
+        "settings": settings_to_dict(plan.settings_of(run)),
         "level": run.level,
         "truth_up_to": run.truth_up_to,
         "film": plan.film_plan(run.room).stamp(libraries.of_room(run.room)),
@@ -147,7 +145,7 @@ def _row(run: Run, stage: str, metric: str, class_name: str, value: float, note:
 
 def _values(plan: Plan, run: Run, libraries: Libraries, reporter: Reporter) -> list[Value]:
     meter, folder = CostMeter(reporter), plan.run_dir(run)
-    library, settings = libraries.of_run(run), plan.settings(run.preset)
+    library, settings = libraries.of_run(run), plan.settings_of(run)
     with RunFolder(folder, settings):
         result = _reconstruct(plan, run, library, settings, meter)
         meter.stage("evaluation", False)

@@ -27,6 +27,8 @@ NONE, MASKS = "none", "masks"
 STAGES = ("mapping", "entities", "contact_graph", "matching", "alignment", "physical_check")
 TRUTH_UP_TO = (MASKS, *STAGES)
 """What may be replaced by the truth, each with all before it."""
+TRUE_MODELS = STAGES[STAGES.index("matching") :]
+"""From here on the room's own models are given."""
 _SAME_PLANE_M = 0.02
 """A plane of a true entity is that of its model whose rectangle's centre lies this near."""
 

@@ -10,7 +10,7 @@ from isr_jax.demonstration import FilmPlan
 from isr_jax.errors import SettingError
 from isr_jax.synthetic.room import ROOM_KINDS
 
-from .oracle import MASKS, NONE, TRUTH_UP_TO
+from .oracle import MASKS, NONE, TRUE_MODELS, TRUTH_UP_TO
 
 IN_LIBRARY, HELD_OUT = "in-library", "held-out"
 SPLITS = (IN_LIBRARY, HELD_OUT)
@@ -82,6 +82,14 @@ class Plan:
     def settings(self, name: str) -> Settings:
         """Of a preset, with the changes of this benchmark."""
         return with_overrides(preset(name), list(self.overrides))
+
+    def settings_of(self, run: Run) -> Settings:
+        """Of a run. True models that were imported keep the collision hulls of the room's twin:
+        better ones take minutes a room, and would be no truer to it."""
+        settings = self.settings(run.preset)
+        if run.truth_up_to not in TRUE_MODELS or self.library_of(run.room) is None:
+            return settings
+        return with_overrides(settings, [f"cad.chosen_hulls={settings.cad.candidate_hulls}"])
 
     def runs(self, room: RoomSpec) -> tuple[Run, ...]:
         """End to end first, then from the truth of each stage."""
