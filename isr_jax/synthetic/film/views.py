@@ -79,9 +79,8 @@ class Views:
         self.samples: Samples = room_samples(surfaces)
         places = np.random.default_rng([seed, 5]).permutation(len(space.eyes))[:_EYES]
         eyes = space.eyes[np.sort(places)]
-        self.observable: Bool[np.ndarray, " samples"] = visible_from(
-            scene, self.samples, eyes, sensor
-        ).any(0)
+        seen = visible_from(scene, self.samples, eyes, sensor)
+        self.observable: Bool[np.ndarray, " samples"] = np.asarray(seen.any(0))
 
     def frame(
         self,
