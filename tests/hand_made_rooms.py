@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from isr_jax.cad_types import CadModel
-from isr_jax.synthetic.room import LayoutPatch, PlacedModel, Room, upright_pose
+from isr_jax.synthetic.room import LayoutPatch, PlacedModel, Room
 
 HALF_M, HEIGHT_M = 2.0, 2.4
 
@@ -27,13 +27,19 @@ LAYOUT = _layout()
 """A floor called ``floor_1`` and walls ``wall_101`` to ``wall_104``, 4 m by 4 m by 2.4 m."""
 
 
+def _pose(center) -> np.ndarray:
+    T = np.eye(4, dtype=np.float32)
+    T[:3, 3] = center
+    return T
+
+
 def placed(id: int, model: CadModel, center, parent: str | None, plane: int = 0) -> PlacedModel:
     """A model at its own size, along the axes; plane 0 of a box is its top."""
     return PlacedModel(
         id=id,
         model=model,
         scale=1.0,
-        T_world_cad=upright_pose(0.0, np.array(center)),
+        T_world_cad=_pose(center),
         parent=parent,
         parent_plane=None if parent is None else plane,
         attachment="none",

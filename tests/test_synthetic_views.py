@@ -20,12 +20,11 @@ from isr_jax.synthetic import NO_NOISE, Room, make_room, render_sequence
 from isr_jax.synthetic.camera.free_space import CLEAR_M, FreeSpace, clearance_m, free_space, route
 from isr_jax.synthetic.camera.viewpoints import look_along
 from isr_jax.synthetic.film.contact_sheet import contact_sheet, depth_colors
-from isr_jax.synthetic.film.film import room_surfaces
 from isr_jax.synthetic.film.views import Views
 from isr_jax.synthetic.image.patterns import TILE_M, tiles
 from isr_jax.synthetic.image.shading import develop, studio
 from isr_jax.synthetic.image.shadows import between, lit_share
-from isr_jax.synthetic.surface import Surface
+from isr_jax.synthetic.surface import Surface, room_surfaces
 from isr_jax.types import Camera, Mesh
 
 from .builders import box_mesh

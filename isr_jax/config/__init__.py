@@ -5,6 +5,7 @@ Presets are values of `Settings`; the resolved settings are saved beside every r
 
 from .fields import setting
 from .presets import PRESETS, preset
+from .sensor import NoiseModel, PoseNoise
 from .stages import (
     AlignmentSettings,
     CadSettings,
@@ -14,9 +15,7 @@ from .stages import (
     InputSettings,
     MappingSettings,
     MatchingSettings,
-    NoiseModel,
     PhysicalCheckSettings,
-    PoseNoise,
     SegmentationSettings,
     Settings,
     StabilitySettings,

@@ -65,6 +65,18 @@ def read_pose(path: Path) -> Float[np.ndarray, "4 4"]:
     return checked_pose(np.array(values).reshape(4, 4), str(path))
 
 
+def pose_or_reason(
+    name: str, path: Path | None, convention: str = CONVENTIONS[0]
+) -> Float[np.ndarray, "4 4"] | FrameError:
+    """Camera to dataset of frame ``name`` from its pose file, or why the frame has none."""
+    if path is None:
+        return FrameError(f"frame {name} has no pose file", "add its pose or drop it")
+    try:
+        return to_camera_to_dataset(read_pose(path), convention)
+    except FrameError as error:
+        return error
+
+
 def checked_pose(matrix: Float[np.ndarray, "4 4"], source: str) -> Float[np.ndarray, "4 4"]:
     """A rigid transform, its rotation made exact; `FrameError` where it is none."""
     if not np.isfinite(matrix).all():

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import FrameError, SequenceError
-from .conventions import CONVENTIONS, check_convention, read_pose, to_camera_to_dataset
+from ..errors import SequenceError
+from .conventions import CONVENTIONS, check_convention, pose_or_reason
 from .recording import Intrinsics, RecordedFrame, Recording, unit_gravity
 
 _FOLDERS = {"rgb": (".jpg", ".jpeg", ".png"), "depth": (".png",), "poses": (".txt",)}
@@ -69,14 +69,7 @@ def _by_stem(folder: Path, endings: tuple[str, ...]) -> dict[str, Path]:
 
 
 def _frame(stem: str, files: dict[str, dict[str, Path]], convention: str) -> RecordedFrame:
-    pose_file = files["poses"].get(stem)
-    if pose_file is None:
-        pose = FrameError(f"frame {stem} has no pose file", "add its pose or drop it")
-    else:
-        try:
-            pose = to_camera_to_dataset(read_pose(pose_file), convention)
-        except FrameError as error:
-            pose = error
+    pose = pose_or_reason(stem, files["poses"].get(stem), convention)
     return RecordedFrame(stem, files["rgb"].get(stem), files["depth"].get(stem), pose)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import FrameError, SequenceError
-from .conventions import checked_pose, read_pose
+from .conventions import checked_pose, pose_or_reason
 from .images import ColorCamera, read_color
 from .recording import Intrinsics, RecordedFrame, Recording
 from .sens_file import SensFile, index_sens
@@ -157,14 +157,8 @@ def _by_number(folder: Path, endings: tuple[str, ...]) -> dict[int, Path]:
 
 
 def _frame(number: int, files: dict[str, dict[int, Path]]) -> RecordedFrame:
-    name, pose_file = f"{number:06d}", files["pose"].get(number)
-    if pose_file is None:
-        pose = FrameError(f"frame {name} has no pose file", "add its pose or drop it")
-    else:
-        try:
-            pose = read_pose(pose_file)
-        except FrameError as error:
-            pose = error
+    name = f"{number:06d}"
+    pose = pose_or_reason(name, files["pose"].get(number))
     return RecordedFrame(name, files["color"].get(number), files["depth"].get(number), pose)
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import FrameError, SequenceError
-from .conventions import read_pose
+from ..errors import SequenceError
+from .conventions import pose_or_reason
 from .images import ColorCamera
 from .recording import Intrinsics, RecordedFrame, Recording, unit_gravity
 
@@ -56,14 +56,7 @@ def read(path: Path, names: set[str]) -> Recording:
 
 
 def _frame(name: str, parts: dict[str, Path]) -> RecordedFrame:
-    pose_file = parts.get("pose")
-    if pose_file is None:
-        pose = FrameError(f"frame {name} has no pose file", "add its pose or drop it")
-    else:
-        try:
-            pose = read_pose(pose_file)
-        except FrameError as error:
-            pose = error
+    pose = pose_or_reason(name, parts.get("pose"))
     return RecordedFrame(name, parts.get("color"), parts.get("depth"), pose)
 
 

@@ -149,15 +149,6 @@ class Room:
         return depth
 
 
-def upright_pose(yaw: float, center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
-    """``T_world_cad`` of what stands upright, float32."""
-    T = np.eye(4, dtype=np.float32)
-    c, s = np.cos(yaw), np.sin(yaw)
-    T[:2, :2] = [[c, -s], [s, c]]
-    T[:3, 3] = center
-    return T
-
-
 def upright_from_gravity(gravity: np.ndarray, floor_height_m: float) -> np.ndarray:
     """[4, 4] float64: the smallest rotation that brings ``gravity`` to -z, then a lift."""
     T = np.eye(4)

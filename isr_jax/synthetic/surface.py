@@ -11,7 +11,7 @@ from ..robot_model import Texture, Visual, link_transforms
 from ..types import Mesh
 from .cutting import cut_edges, faceted
 from .exterior import exterior_parts
-from .openings import joints_filled, solid_mesh
+from .openings import WALL_M, joints_filled, solid_mesh
 from .room import LayoutPatch, PlacedModel, Room, merge_meshes
 
 _LAYOUT_RGB = {
@@ -63,6 +63,12 @@ def first_parts(room: Room) -> dict[int, int]:
     for part in room_parts(room):
         first.setdefault(part.entity_id, part.id)
     return first
+
+
+def room_surfaces(room: Room) -> dict[int, Surface]:
+    """The surface of all that is in a room by entity id: the layout, then the items."""
+    layout = {p.id: layout_surface(p, np.inf, WALL_M) for p in room.layout}
+    return layout | {item.id: whole_surface(item) for item in room.items}
 
 
 def layout_surface(patch: LayoutPatch, spacing_m: float, reveal_m: float = 0.0) -> Surface:

@@ -12,8 +12,8 @@ from scipy.ndimage import gaussian_filter1d
 from ...config import NoiseModel
 from ...raycast import RayScene
 from ...types import Camera
-from ..film.film import room_surfaces
 from ..room import Room
+from ..surface import room_surfaces
 from .cameras import default_camera
 from .free_space import CLEAR_M, FreeSpace, clearance_m, free_space, inside_room, route
 from .viewpoints import Viewpoints, choose_viewpoints, directions, look_along

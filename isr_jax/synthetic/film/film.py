@@ -14,9 +14,8 @@ from ...types import Camera
 from ..image.noise import sensor_depth
 from ..image.shading import Developed, develop, studio
 from ..image.shadows import STRIDE, lit_share
-from ..openings import WALL_M
 from ..room import Room
-from ..surface import Surface, first_parts, layout_surface, whole_surface
+from ..surface import Surface, first_parts, room_surfaces
 
 SURFACE_GRID_M = 0.02
 _SURFACE_STRIDE = 2
@@ -152,12 +151,6 @@ class Film:
         points = look.eye + look.hits.distance[rows, None] * look.directions[rows]
         normals = np.asarray(developed.normal)[rows]
         return thinned(SeenSurface(points, normals, look.hits.instance[rows]))
-
-
-def room_surfaces(room: Room) -> dict[int, Surface]:
-    """The surface of all that is in a room by entity id: the layout, then the items."""
-    layout = {p.id: layout_surface(p, np.inf, WALL_M) for p in room.layout}
-    return layout | {item.id: whole_surface(item) for item in room.items}
 
 
 def class_names(room: Room) -> dict[int, str]:

@@ -44,7 +44,8 @@ class _Beside(Resolver):
         raise FileNotFoundError(key)
 
     def write(self, name: str, data) -> None:
-        raise NotImplementedError
+        """trimesh asks for it; what is imported is read and never written."""
+        raise PermissionError(f"{shown(name)}: what is imported is only read")
 
     def namespaced(self, namespace: str) -> _Beside:
         return _Beside(self._files, posixpath.join(self._folder, namespace), self._notes)
