@@ -61,12 +61,7 @@ def _try_segmenter(
 
 
 def _segment(frame: Frame, segmenter: segmentation.Segmenter, settings: Settings) -> FrameSegments:
-    return segmentation.segment_frame(
-        frame,
-        segmenter(frame),
-        settings.segmentation,
-        bilateral=settings.mapping.fusion != "voxblox++",
-    )
+    return segmentation.segment_frame(frame, segmenter(frame), settings.segmentation)
 
 
 def _frame_indices(sequence: Sequence, settings: Settings) -> list[int]:

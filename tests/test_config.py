@@ -32,7 +32,7 @@ def test_every_preset_can_stand_in_a_scene_file(name):
     """JSON has no infinity, and the paper's preset rejects models by an infinite cost."""
     data = json.loads(json.dumps(settings_to_dict(preset(name)), allow_nan=False))
     assert data["preset"] == name
-    assert (data["matching"]["unmatched_cost"] == "inf") == (name == "paper")
+    assert (data["matching"]["unmatched_cost"] == "inf") == (name != "default")
 
 
 def test_every_setting_says_what_it_means():
@@ -46,9 +46,9 @@ def test_every_setting_says_what_it_means():
 
 def test_overrides_reach_the_named_setting_alone():
     changed = with_overrides(
-        preset("default"), ["mapping.voxel_size_m=0.05", "mapping.fusion=voxblox++"]
+        preset("default"), ["mapping.voxel_size_m=0.05", "mapping.counts=pairs"]
     )
-    assert changed.mapping.voxel_size_m == 0.05 and changed.mapping.fusion == "voxblox++"
+    assert changed.mapping.voxel_size_m == 0.05 and changed.mapping.counts == "pairs"
     assert dataclasses.replace(changed, mapping=MappingSettings()) == preset("default")
 
 
@@ -64,7 +64,7 @@ def test_paper_preset_rejects_models_that_lack_a_plane():
         ("mapping.voxel=0.1", "voxel_size_m"),
         ("map.voxel_size_m=0.1", "mapping"),
         ("mapping.voxel_size_m", "section.name=value"),
-        ("mapping.fusion=kimera", "voxblox++"),
+        ("mapping.counts=kimera", "triplet"),
         ("contact_graph.layout_whole_polygon=maybe", "give a bool"),
     ],
 )

@@ -94,9 +94,9 @@ def test_a_rim_of_another_label_is_no_overlap():
     assert overlapping_pairs(votes_of([[0, 0, 0], [0, 75, 25]]), 0.2) == [(1, 2)]
 
 
-def test_labels_of_different_classes_never_merge_unless_pairwise():
-    for fusion_name, merged in (("panoptic", False), ("voxblox++", True)):
-        fusion = with_labels(2, fusion=fusion_name, merge_min_frames=1)
+def test_labels_of_different_classes_merge_only_where_it_is_asked_for():
+    for merged in (False, True):
+        fusion = with_labels(2, merge_any_class=merged, merge_min_frames=1)
         for _ in range(3):
             observe(fusion, [1, 2], [TABLE, CHAIR], [1, 2])
         for _ in range(5):
@@ -212,8 +212,8 @@ def test_two_chairs_seen_as_two_never_merge():
     assert fusion.decide(1)[1] != fusion.decide(2)[1]
 
 
-def test_pair_counts_know_no_regulation():
-    fusion = with_labels(2, fusion="voxblox++")
+def test_without_regulation_instances_stay():
+    fusion = with_labels(2, regulate=False)
     for _ in range(30):
         observe(fusion, [1], [CHAIR], [1])
     for _ in range(15):

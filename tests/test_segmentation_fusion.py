@@ -73,9 +73,8 @@ def test_one_segment_over_two_monitors_is_divided():
 def test_the_baseline_only_labels_segments():
     segment, mask = blank() + 1, blank() + 1
     mask[30:40, 40:50] = 2
-    result = label_segments(
-        frame_of(FLAT), segment, mask, ids("table", "cup"), SETTINGS, bilateral=False
-    )
+    settings = dataclasses.replace(SETTINGS, bilateral=False, remove_outliers=False)
+    result = label_segments(frame_of(FLAT), segment, mask, ids("table", "cup"), settings)
     assert len(result.class_id) == 2
     assert at(result, 35, 45) == ("table", 1)
 
@@ -202,8 +201,7 @@ def test_order_of_masks_does_not_matter():
 @pytest.mark.parametrize("bilateral", [True, False])
 def test_types(bilateral):
     segment, mask = blank() + 1, blank() + 1
-    result = label_segments(
-        frame_of(FLAT), segment, mask, ids("table"), SETTINGS, bilateral=bilateral
-    )
+    settings = dataclasses.replace(SETTINGS, bilateral=bilateral)
+    result = label_segments(frame_of(FLAT), segment, mask, ids("table"), settings)
     assert result.segment.dtype == result.class_id.dtype == result.instance.dtype == np.int32
     assert result.class_id[0] == result.instance[0] == 0

@@ -53,6 +53,9 @@ class SegmentationSettings(Checked):
         50, "smaller specks between edges are treated as edges", unit="px", low=0
     )
     min_segment_px: int = setting(500, "smaller depth segments are dropped", unit="px", low=0)
+    bilateral: bool = setting(
+        True, "masks split segments too; else they only label them (Voxblox++)"
+    )
     mask_in_segment_ratio: float = setting(
         0.9,
         "an instance with this share of its mask in one segment may be cut out of it",
@@ -74,6 +77,9 @@ class SegmentationSettings(Checked):
     min_piece_px: int = setting(
         100, "smaller pieces are not cut out of a segment", unit="px", low=0
     )
+    remove_outliers: bool = setting(
+        True, "pieces of a thing far from the rest of it go to the background (Voxblox++: not)"
+    )
     cluster_distance_m: float = setting(
         0.05,
         "pieces of an instance farther apart are separate clusters; all but the largest go",
@@ -87,10 +93,10 @@ class SegmentationSettings(Checked):
 class MappingSettings(Checked):
     """Voxel fusion and label fusion."""
 
-    fusion: str = setting(
-        "panoptic",
-        "label fusion: the paper's, or the baseline's pair counts",
-        choices=("panoptic", "voxblox++"),
+    counts: str = setting(
+        "triplet",
+        "label fusion counts label, class and instance together, or (Voxblox++) in pairs",
+        choices=("triplet", "pairs"),
     )
     voxel_size_m: float = setting(0.01, "side of a voxel", unit="m", low=0.002, high=0.2)
     truncation_voxels: float = setting(
@@ -114,6 +120,9 @@ class MappingSettings(Checked):
         0.2, "shared voxels at which two segments merge", low=0.0, high=1.0
     )
     merge_min_frames: int = setting(3, "and the frames in which they did", low=1)
+    merge_any_class: bool = setting(
+        False, "segments of decided, different classes may merge (paper, Voxblox++: yes)"
+    )
     instance_count_ratio: float = setting(
         0.1, "a label is part of an instance if its count exceeds this share of the rest", low=0.0
     )
@@ -125,6 +134,7 @@ class MappingSettings(Checked):
     instance_min_frames: int = setting(
         2, "an instance seen in fewer frames is not believed (paper: 1)", low=1
     )
+    regulate: bool = setting(True, "instances that lastingly share labels merge (Voxblox++: not)")
     instance_merge_ratio: float = setting(
         0.5, "shared count over the smaller total at which two instances merge", low=0.0
     )

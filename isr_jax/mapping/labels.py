@@ -1,8 +1,8 @@
 """Label fusion: triplet counts Phi(l, c, o), merges of labels and of instances (paper, sec. IV).
 
 Everything here is small (hundreds of labels), lives on the host, and is deterministic: ties go
-to the lower number. ``fusion="voxblox++"`` (Grinvald et al. 2019) walks the same path with pair
-counts: Phi(l, 0, o) and Phi(l, c, 0), no class condition, no regulation of instances.
+to the lower number. ``counts="pairs"`` (Grinvald et al. 2019) walks the same path with pair counts:
+Phi(l, 0, o) and Phi(l, c, 0), and so without a class condition on instances.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class LabelFusion:
 
     def __init__(self, settings: MappingSettings) -> None:
         self.settings = settings
-        self.pairwise = settings.fusion == "voxblox++"
+        self.pairwise = settings.counts == "pairs"
         self.instances = Instances(settings)
         self.canonical = np.zeros(1, np.int64)
         """Label -> the label it has become by merges; itself where it has not."""
@@ -63,7 +63,7 @@ class LabelFusion:
     def _owners(self, class_of, instance_of) -> Int[np.ndarray, " segments"]:
         """Segments with the same number may take the same label."""
         owner = np.arange(len(class_of))
-        if self.settings.share_labels and not self.pairwise:
+        if self.settings.share_labels:
             first: dict[tuple[int, int], int] = {}
             for segment in owner.tolist():
                 key = _frame_instance(segment, class_of, instance_of)
@@ -86,8 +86,8 @@ class LabelFusion:
     def _count_overlaps(self, votes: Votes) -> None:
         """Merge labels that share segments in more than ``merge_min_frames`` frames.
 
-        Two labels of decided, different groups of classes stay apart whatever they share
-        (panoptic only): a depth segment that spans a cup and its table is that frame's error.
+        Unless ``merge_any_class``, two labels of decided, different groups of classes stay apart
+        whatever they share: a depth segment that spans a cup and its table is that frame's error.
         """
         for pair in overlapping_pairs(votes, self.settings.merge_overlap_ratio):
             a, b = sorted(int(self.canonical[label]) for label in pair)
@@ -99,7 +99,7 @@ class LabelFusion:
                 self._merge_labels(a, b)
 
     def _may_merge(self, a: int, b: int) -> bool:
-        if self.pairwise:
+        if self.settings.merge_any_class:
             return True
         group_a, group_b = (self.instances.group[self.decide(label)[0]] for label in (a, b))
         return bool(group_a == group_b or not group_a or not group_b)
@@ -136,7 +136,7 @@ class LabelFusion:
                 self.counts[label][key] = self.counts[label].get(key, 0) + 1
             touched.add(instance)
         self.instances.count(touched)
-        if not self.pairwise:
+        if self.settings.regulate:
             self.instances.regulate(self.counts, touched)
 
     def _keys(self, class_id: int, instance: int) -> list[tuple[int, int]]:

@@ -32,17 +32,15 @@ def segment_frame(
     frame: Frame,
     panoptic: PanopticFrame,
     settings: SegmentationSettings,
-    *,
-    bilateral: bool = True,
 ) -> FrameSegments:
     """Segments of one frame with the class and instance that its masks give them.
 
     Args:
         frame: Depth and camera are used.
         panoptic: Masks; those with a score below ``settings.min_score`` are ignored.
-        settings: Of this stage.
-        bilateral: True: masks also split segments, and pieces of a thing far from the rest of it
-            go to the background. False: segments only take labels, the baseline's way.
+        settings: Of this stage. With ``bilateral`` masks also split segments, else segments only
+            take labels; with ``remove_outliers`` pieces of a thing far from the rest of it go to
+            the background.
 
     Returns:
         ``instance`` is the row of the mask in ``panoptic``, for layout and stuff as well. Classes
@@ -51,7 +49,7 @@ def segment_frame(
     segment = segment_depth(frame.depth_m, frame.camera, settings)
     mask = np.where(panoptic.score >= settings.min_score, np.arange(len(panoptic.score)), 0)
     mask = mask[panoptic.mask].astype(np.int32)
-    return label_segments(frame, segment, mask, panoptic.class_id, settings, bilateral=bilateral)
+    return label_segments(frame, segment, mask, panoptic.class_id, settings)
 
 
 def label_segments(
@@ -60,8 +58,6 @@ def label_segments(
     mask: Int[np.ndarray, "height width"],
     mask_class: Int[np.ndarray, " masks"],
     settings: SegmentationSettings,
-    *,
-    bilateral: bool = True,
 ) -> FrameSegments:
     """As `segment_frame`, from depth segments that are already there."""
     seen = frame.depth_m > 0
@@ -71,10 +67,10 @@ def label_segments(
     counts[0, 0] -= np.count_nonzero(~seen)
     kinds = np.array([info.kind for info in classes()])[mask_class]
     is_small = counts.sum(1) < settings.min_segment_px
-    label = _labels(counts, kinds, is_small, settings, bilateral)
+    label = _labels(counts, kinds, is_small, settings)
     pieces = _cut(label, pair, segment.shape)
     is_stray = np.zeros(len(pieces.mask), bool)
-    if bilateral:
+    if settings.remove_outliers:
         is_thing = kinds[pieces.mask] == "thing"
         is_stray = is_thing & ~largest_clusters(
             frame.depth_m, frame.camera, pieces.piece, np.where(is_thing, pieces.mask, 0),
@@ -88,7 +84,6 @@ def _labels(
     kinds: np.ndarray,
     is_small: Bool[np.ndarray, " segments"],
     settings: SegmentationSettings,
-    bilateral: bool,
 ) -> Int[np.ndarray, "segments masks"]:
     """Mask whose label the pixels of each (segment, mask) pair take; -1 = none, 0 = background."""
     area, mask_area = counts.sum(1, keepdims=True), counts.sum(0, keepdims=True)
@@ -101,9 +96,9 @@ def _labels(
     )
     split = enough & (counts >= settings.split_ratio * area)
     split &= counts >= settings.split_mask_ratio * mask_area
-    keeps = (cut_out | split) & bilateral
+    keeps = (cut_out | split) & settings.bilateral
     keeps[:, 0] = False
-    rest = _majority(np.where(cut_out & bilateral, 0, counts), mask_area[0], settings, bilateral)
+    rest = _majority(np.where(cut_out & settings.bilateral, 0, counts), mask_area[0], settings)
     # A speck of depth is a segment only if a mask holds most of it.
     best = counts[np.arange(len(rest)), rest]
     rest = np.where(is_small & ((rest == 0) | (best < 0.5 * area[:, 0])), -1, rest)
@@ -120,7 +115,6 @@ def _majority(
     counts: Int[np.ndarray, "segments masks"],
     mask_area: Int[np.ndarray, " masks"],
     settings: SegmentationSettings,
-    bilateral: bool,
 ) -> Int[np.ndarray, " segments"]:
     """The mask that most of each segment lies in; 0 where it holds too little of the segment."""
     area, covered = counts.sum(1), counts.copy()
@@ -129,7 +123,7 @@ def _majority(
     count = covered[np.arange(len(best)), best]
     follows = count > 0
     follows &= count >= settings.majority_ratio * area
-    if bilateral:
+    if settings.bilateral:
         # A mask that is mostly elsewhere has only spilled over a segment that it half covers.
         follows &= (count >= 0.5 * area) | (count >= _HOME_RATIO * mask_area[best])
     return np.where(follows, best, 0)
