@@ -233,8 +233,10 @@ class ModelBuilder:
             Visual(m.name, visual_mesh([p.solid for p in parts if p.material == m]), m.rgba)
             for m in materials
         ]
-        noise = 1e-9 * np.trace(inertia)
-        inertia = np.array([[_digits(v) if abs(v) > noise else 0.0 for v in r] for r in inertia])
+        # Seven digits of the whole, not of each entry: what is left of products that cancel is
+        # the rounding of the vertices, and differs between processors.
+        decimals = 7 - int(np.floor(np.log10(np.trace(inertia))))
+        inertia = np.round(inertia, decimals) + 0.0
         com = np.round(com, 6) + 0.0
         area_m2 = {m: sum(p.solid.area_m2 for p in parts if p.material == m) for m in materials}
         friction = max(materials, key=lambda m: round(area_m2[m], 6)).friction
