@@ -1,6 +1,7 @@
 """The one table of classes, read from ``classes.csv``.
 
-Row 0 is "none". Every id in this package (`class_id`) is a row of this table.
+Row 0 is "none". Every id in this package (`class_id`) is a row of this table. Its label columns say
+what each label of a foreign data set is to us.
 """
 
 from __future__ import annotations
@@ -14,8 +15,7 @@ from importlib import resources
 import numpy as np
 
 from .errors import ClassError
-
-LABEL_SETS = ("coco80", "coco_panoptic", "ade20k", "ade32", "nyu40", "scannet", "scenenn")
+from .label_lists import LABEL_SETS, label_list
 
 
 @dataclasses.dataclass(frozen=True)
@@ -42,7 +42,7 @@ class ClassInfo:
     min_diagonal_m: float
     """About 0.4 times the diagonal of a typical instance: what is smaller is a fragment."""
     labels: dict[str, tuple[int, ...]]
-    """Ids in foreign label sets, keyed by `LABEL_SETS`."""
+    """Ids in foreign label sets, keyed by `LABEL_SETS`; those of row 0 have no class here."""
 
 
 @functools.cache
@@ -87,10 +87,7 @@ def class_named(name: str) -> ClassInfo:
 @functools.cache
 def label_table(label_set: str) -> np.ndarray:
     """Lookup [max id + 1] from a foreign label set (`LABEL_SETS`) to rows; 0 where unmapped."""
-    if label_set not in LABEL_SETS:
-        raise ClassError(f"unknown label set {label_set!r}", f"use one of: {', '.join(LABEL_SETS)}")
-    pairs = [(v, info.id) for info in classes() for v in info.labels[label_set]]
-    table = np.zeros(max(v for v, _ in pairs) + 1, np.int32)
-    for foreign, ours in pairs:
-        table[foreign] = ours
+    table = np.zeros(max(label.id for label in label_list(label_set)) + 1, np.int32)
+    for info in classes():
+        table[list(info.labels[label_set])] = info.id
     return table

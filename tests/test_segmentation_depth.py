@@ -19,9 +19,14 @@ NORMAL_TOLERANCE = 2e-4
 """Float32 sums over 169 inverse depths of about 0.5 1/m."""
 
 
+def pixel_rays(camera: Camera) -> np.ndarray:
+    """Viewing rays with z = 1."""
+    return reference.back_project(np.ones((camera.height, camera.width)), camera)
+
+
 def plane_depth(camera: Camera, normal, offset: float) -> np.ndarray:
     """Depth of the plane normal . v = offset; 0 where a ray misses it."""
-    rays = np.asarray(depth_kernels.pixel_rays(camera))
+    rays = pixel_rays(camera)
     slope = rays @ np.asarray(normal, np.float64)
     with np.errstate(divide="ignore"):
         depth = offset / slope
@@ -30,7 +35,7 @@ def plane_depth(camera: Camera, normal, offset: float) -> np.ndarray:
 
 def box_depth(camera: Camera, low, high) -> np.ndarray:
     """Depth of a box of the camera frame; 0 where a ray misses it."""
-    rays = np.asarray(depth_kernels.pixel_rays(camera), np.float64)
+    rays = pixel_rays(camera)
     rays = np.where(np.abs(rays) < 1e-9, 1e-9, rays)
     ends = np.stack([np.asarray(low) / rays, np.asarray(high) / rays])
     near, far = ends.min(0).max(-1), ends.max(0).min(-1)
@@ -64,10 +69,10 @@ def test_normals_equal_the_twin(small_depth):
     differs = np.asarray(valid) != wanted_valid
     assert differs.mean() < 0.01  # pixels on the edge of the gate or of rank 3
     both = np.asarray(valid) & wanted_valid
-    gap = np.linalg.norm(np.asarray(found) - wanted, axis=-1)[both]
+    gap = np.linalg.norm(np.asarray(found) - np.moveaxis(wanted, -1, 0), axis=0)[both]
     # A neighbour that float32 puts on the other side of the gate moves its pixel's normal.
     assert np.quantile(gap, 0.98) < NORMAL_TOLERANCE
-    lengths = np.linalg.norm(np.asarray(found), axis=-1)
+    lengths = np.linalg.norm(np.asarray(found), axis=0)
     np.testing.assert_allclose(lengths, np.asarray(valid), atol=1e-5)
 
 
@@ -80,20 +85,20 @@ def test_normals_of_a_plane_are_exact(normal):
     )
     inside = np.asarray(valid) & (depth < 4)
     assert inside.sum() > 0.3 * depth.size
-    gap = np.linalg.norm(np.asarray(found) + unit, axis=-1)[inside]
+    gap = np.linalg.norm(np.asarray(found) + unit[:, None, None], axis=0)[inside]
     # Rounding of inverse depth to 2^-24 over windows of 7 pixels to the side.
     assert np.quantile(gap, 0.99) < 2e-3
 
 
 def test_discontinuity_and_convexity_equal_the_twin(small_depth):
     normal, _ = reference.normals(small_depth.astype(np.float64), SMALL, 7, 0.05)
-    normal = normal.astype(np.float32)
+    normal, images = normal.astype(np.float32), np.moveaxis(normal, -1, 0).astype(np.float32)
     ratio = np.array(0.01, np.float32)
-    steps = depth_kernels.discontinuity_map(small_depth, normal, SMALL, 3, ratio)
+    steps = depth_kernels.discontinuity_map(small_depth, images, SMALL, 3, ratio)
     wanted = reference.discontinuity_map(small_depth, normal, SMALL, 3, 0.01)
     assert (np.asarray(steps) != wanted).mean() < 0.002
     assert 0.05 < wanted.mean() < 0.6
-    phi = depth_kernels.convexity_map(small_depth, normal, SMALL, 5, np.array(-0.0005, np.float32))
+    phi = depth_kernels.convexity_map(small_depth, images, SMALL, 5, np.array(-0.0005, np.float32))
     wanted = reference.convexity_map(small_depth, normal, SMALL, 5, -0.0005)
     assert np.quantile(np.abs(np.asarray(phi) - wanted), 0.99) < 1e-4
     assert wanted.min() < 0.9, "the scene has concave pixels"
@@ -127,12 +132,13 @@ def test_a_grazing_floor_has_no_steps_and_a_ledge_has():
     floor[floor > 3.5] = 0
     step = np.abs(np.diff(floor, axis=0))[(floor[1:] > 0) & (floor[:-1] > 0)]
     assert (step > 0.01 * 3).mean() > 0.01, "rows of pixels step by more than the ratio"
-    normals = np.where(floor[..., None] > 0, -normal, 0).astype(np.float32)
+    normals = np.where(floor > 0, -normal[:, None, None], 0).astype(np.float32)
     ratio = np.array(0.01, np.float32)
     found = depth_kernels.discontinuity_map(floor, normals, CAMERA, 3, ratio)
     assert not np.asarray(found).any()
     ledge = np.where(np.arange(320) < 160, 1.0, 1.05) * np.ones((240, 1))
-    facing = np.tile(np.array([0, 0, -1], np.float32), (240, 320, 1))
+    facing = np.zeros((3, 240, 320), np.float32)
+    facing[2] = -1
     found = depth_kernels.discontinuity_map(ledge.astype(np.float32), facing, CAMERA, 3, ratio)
     assert np.array_equal(np.flatnonzero(np.asarray(found).all(0)), [159, 160])
 
@@ -179,7 +185,7 @@ def box_on_plane():
     up = np.array([0, -np.cos(tilt), -np.sin(tilt)])
     floor = plane_depth(CAMERA, -up, 0.9)
     R = np.stack([[1, 0, 0], -up, np.cross([1, 0, 0], -up)], 1)
-    rays = np.asarray(depth_kernels.pixel_rays(CAMERA), np.float64) @ R
+    rays = pixel_rays(CAMERA) @ R
     rays = np.where(np.abs(rays) < 1e-9, 1e-9, rays)
     ends = np.stack([np.array([-0.1, 0.7, 0.75]) / rays, np.array([0.1, 0.9, 0.95]) / rays])
     near, far = ends.min(0).max(-1), ends.max(0).min(-1)

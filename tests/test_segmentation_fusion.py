@@ -137,6 +137,19 @@ def test_specks_are_dropped_unless_a_mask_holds_them():
     assert result.segment[32, 35] == result.segment[52, 35] or at(result, 52, 35)[0] == "none"
 
 
+def test_what_no_segment_holds_follows_its_mask():
+    """The rim of a table, lost at the edge of depth."""
+    segment, mask = blank() + 1, blank() + 1
+    segment[:, 80:] = 0
+    mask[:40, 90:] = 0
+    result = label_segments(frame_of(FLAT), segment, mask, ids("table"), SETTINGS)
+    assert at(result, 10, 85) == at(result, 60, 95) == at(result, 40, 30) == ("table", 1)
+    assert result.segment[10, 95] == 0, "no mask, no segment"
+    bare = dataclasses.replace(SETTINGS, fill_from_masks=False)
+    result = label_segments(frame_of(FLAT), segment, mask, ids("table"), bare)
+    assert result.segment[10, 85] == 0 and at(result, 40, 30) == ("table", 1)
+
+
 def test_low_scores_are_ignored():
     mask = blank() + 1
     panoptic = PanopticFrame(mask, ids("table"), np.array([0.0, 0.3], np.float32))

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from isr_jax.classes import class_named
+from isr_jax.classes import class_named, classes
 from isr_jax.errors import FrameError, SegmenterError
 from isr_jax.segmentation import FileMasks, Segmenter, open_segmenter
 
@@ -78,6 +78,94 @@ def test_coco_panoptic_ids(tmp_path):
     expected = [class_named(n).id for n in ("chair", "table", "floor")] + [0, 0]
     assert [int(seen[y, 0]) for y in (20, 70, 120, 170, 220)] == expected
     assert panoptic.mask[170, 0] == 0, "a class that we do not have is no mask"
+
+
+def official(folder, ids: np.ndarray, segments: list[dict], categories: list[dict]):
+    """As the COCO API writes it: the PNG folder has the JSON's name, images are listed."""
+    (folder / "panoptic_val2017").mkdir()
+    rgb = np.stack([ids % 256, ids // 256 % 256, ids // 65536], -1).astype(np.uint8)
+    cv2.imwrite(str(folder / "panoptic_val2017" / "0139.png"), rgb[..., ::-1])
+    full = [{"area": 1, "bbox": [0, 0, 1, 1], "iscrowd": 0, **s} for s in segments]
+    content = {
+        "info": {},
+        "licenses": [],
+        "images": [{"id": 139, "file_name": "000000.jpg", "height": SHAPE[0], "width": SHAPE[1]}],
+        "annotations": [{"image_id": 139, "file_name": "0139.png", "segments_info": full}],
+        "categories": categories,
+    }
+    path = folder / "panoptic_val2017.json"
+    path.write_text(json.dumps(content))
+    return path
+
+
+COCO = [
+    {"id": 62, "name": "chair", "isthing": 1, "supercategory": "furniture"},
+    {"id": 188, "name": "cabinet-merged", "isthing": 0, "supercategory": "furniture-stuff"},
+    {"id": 190, "name": "floor-other-merged", "isthing": 0, "supercategory": "floor"},
+]
+
+
+def test_the_official_format(tmp_path):
+    """Cabinets are stuff to COCO: two in one segment are two; a crowd of chairs is no chair."""
+    ids = np.full(SHAPE, 3226756)
+    ids[:40, :60] = ids[:40, 100:160] = 8921
+    ids[60:100, :40] = 1_000_000
+    ids[60:100, 60:100] = 17
+    ids[-1] = 0
+    segments = [
+        {"id": 3226756, "category_id": 190},
+        {"id": 8921, "category_id": 188},
+        {"id": 1_000_000, "category_id": 62},
+        {"id": 17, "category_id": 62, "iscrowd": 1},
+    ]
+    path = official(tmp_path, ids, segments, COCO)
+    for spec in (f"masks:{path}", f"masks:{tmp_path}"):
+        panoptic, source = open_segmenter(spec, tmp_path).read(frame())
+        names = np.array([classes()[c].name for c in panoptic.class_id])[panoptic.mask]
+        assert [names[y, x] for y, x in ((200, 5), (5, 5), (5, 120), (80, 5), (80, 80))] == [
+            "floor",
+            "cabinet",
+            "cabinet",
+            "chair",
+            "none",
+        ]
+        assert panoptic.mask[5, 5] != panoptic.mask[5, 120], "two cabinets"
+        assert source[panoptic.mask[5, 5]] == source[panoptic.mask[5, 120]] == 8921
+        assert not panoptic.mask[-1].any(), "0 is nothing"
+
+
+def test_a_mask_and_its_annotation_belong_together(tmp_path):
+    ids = np.full(SHAPE, 7)
+    ids[0, 0] = 300
+    path = official(tmp_path, ids, [{"id": 7, "category_id": 62}], COCO)
+    with pytest.raises(FrameError, match=r"0139\.png has a segment 300"):
+        FileMasks(path)(frame())
+    cv2.imwrite(str(tmp_path / "panoptic_val2017" / "0139.png"), ids.astype(np.uint8))
+    with pytest.raises(FrameError, match="no RGB image"):
+        FileMasks(path)(frame())
+
+
+def test_two_annotations_of_an_image_and_two_files(tmp_path):
+    path = official(tmp_path, np.full(SHAPE, 7), [{"id": 7, "category_id": 62}], COCO)
+    content = json.loads(path.read_text())
+    (tmp_path / "panoptic_train2017.json").write_text(json.dumps(content))
+    with pytest.raises(SegmenterError, match=r"2 files of masks(.|\n)*panoptic_train2017"):
+        FileMasks(tmp_path)
+    content["annotations"] *= 2
+    path.write_text(json.dumps(content))
+    with pytest.raises(SegmenterError, match="two annotations for image '000000'"):
+        FileMasks(path)
+
+
+def test_coco_and_our_own_names_mix(tmp_path):
+    """An id alone says nothing: 62 is a chair only under COCO's name."""
+    ids = np.full(SHAPE, 1)
+    ids[:100] = 2
+    categories = [{"id": 62, "name": "kettle"}, {"id": 67, "name": "dining table"}]
+    write_masks(tmp_path, {"000000": ids}, {1: 62, 2: 67}, categories)
+    panoptic = FileMasks(tmp_path)(frame())
+    names = [classes()[c].name for c in panoptic.class_id]
+    assert sorted(names) == ["kettle", "none", "table"]
 
 
 def test_the_hash_follows_the_contents(masks_dir):

@@ -5,9 +5,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-import onnx
 import pytest
-from onnx import TensorProto, helper
+from onnx import helper
 
 from isr_jax.classes import class_named, classes
 from isr_jax.config import SegmentationSettings
@@ -15,12 +14,14 @@ from isr_jax.errors import SegmenterError
 from isr_jax.segmentation import BoxesAndSemantics, OnnxModel, find_sidecar, open_segmenter
 from isr_jax.segmentation.box_shapes import plausible_layout, shape_in_box
 from isr_jax.segmentation.boxes import decode_yolox
-from isr_jax.segmentation.onnx_model import class_maps, prepare
-from isr_jax.types import Camera, Frame
+from isr_jax.segmentation.class_maps import class_maps
+from isr_jax.segmentation.model_image import pixels_per_pixel, prepare, reach, to_image
+from isr_jax.segmentation.sidecar import shipped_sidecars
 
-HEIGHT, WIDTH = 48, 64
-CAMERA = Camera(60.0, 60.0, 32.0, 24.0, WIDTH, HEIGHT)
-SETTINGS = dataclasses.replace(SegmentationSettings(), normal_window=5)
+from .reference import segmenter_reference
+from .tiny_models import HEIGHT, WIDTH, blind_model, frame, write_graph
+
+SETTINGS = dataclasses.replace(SegmentationSettings(), normal_window=5, onnx_threads=1)
 
 SEMANTICS = """
 kind = "semantics"
@@ -59,33 +60,19 @@ strides = [8, 16, 32]
 """
 
 
-def write_model(path, nodes, input_shape, output, output_shape, constants=()):
-    graph = helper.make_graph(
-        nodes,
-        "tiny",
-        [helper.make_tensor_value_info("image", TensorProto.FLOAT, input_shape)],
-        [helper.make_tensor_value_info(output, TensorProto.FLOAT, output_shape)],
-        [onnx.numpy_helper.from_array(v, n) for n, v in constants],
-    )
-    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)])
-    model.ir_version = 8
-    onnx.save(model, str(path))
-    return path
-
-
 def semantics_model(folder, sidecar: str | None = SEMANTICS):
     """Its scores are the image: red = nothing, green = floor, blue = table."""
     node = helper.make_node("Identity", ["image"], ["scores"])
     shape = [1, 3, 16, 16]
     if sidecar is not None:
         (folder / "semantics.toml").write_text(sidecar)
-    return write_model(folder / "semantics.onnx", [node], shape, "scores", shape)
+    return write_graph(folder / "semantics.onnx", [node], {"image": shape}, {"scores": shape})
 
 
 def raw_boxes(*rows: tuple[int, tuple[float, ...]]) -> np.ndarray:
-    raw = np.zeros((1, 21, 7), np.float32)
+    raw = np.zeros((21, 7), np.float32)
     for cell, values in rows:
-        raw[0, cell] = values
+        raw[cell] = values
     return raw
 
 
@@ -95,25 +82,7 @@ ONE_CHAIR = raw_boxes((5, (0.5, 0.5, np.log(2), np.log(1), 0.9, 0.9, 0.1)))
 
 def boxes_model(folder, raw: np.ndarray = ONE_CHAIR, sidecar: str = BOXES):
     """It ignores the image and always sees ``raw``."""
-    nodes = [
-        helper.make_node("ReduceSum", ["image", "axes"], ["sum"], keepdims=0),
-        helper.make_node("Mul", ["sum", "zero"], ["nothing"]),
-        helper.make_node("Add", ["boxes", "nothing"], ["raw"]),
-    ]
-    constants = [
-        ("axes", np.arange(4, dtype=np.int64)),
-        ("zero", np.zeros(1, np.float32)),
-        ("boxes", raw),
-    ]
-    (folder / "boxes.toml").write_text(sidecar)
-    path = folder / "boxes.onnx"
-    return write_model(path, nodes, [1, 3, 32, 32], "raw", list(raw.shape), constants)
-
-
-def frame(color=None, depth=None, T=None) -> Frame:
-    color = np.zeros((HEIGHT, WIDTH, 3), np.uint8) if color is None else color
-    depth = np.full((HEIGHT, WIDTH), 1.5, np.float32) if depth is None else depth
-    return Frame(0, "0", color, depth, np.eye(4) if T is None else T, CAMERA)
+    return blind_model(folder / "boxes.onnx", sidecar, {"raw": raw}, [3, 32, 32])
 
 
 def test_prepare_orders_pads_and_scales(tmp_path):
@@ -121,20 +90,48 @@ def test_prepare_orders_pads_and_scales(tmp_path):
     image[:] = (10, 20, 30)
     boxes = OnnxModel(boxes_model(tmp_path))
     fed = prepare(image, boxes.sidecar)
-    assert fed.shape == (1, 3, 32, 32) and fed.dtype == np.float32
-    assert fed[0, :, 0, 0].tolist() == [30, 20, 10], "BGR"
-    assert np.all(fed[0, :, 24:] == 114), "padded below"
+    assert fed.shape == (3, 32, 32) and fed.dtype == np.float32
+    assert fed[:, 0, 0].tolist() == [30, 20, 10], "BGR"
+    assert np.all(fed[:, 24:] == 114), "padded below"
     semantics = OnnxModel(semantics_model(tmp_path))
     fed = prepare(image, semantics.sidecar)
-    assert fed.shape == (1, 3, 16, 16)
-    np.testing.assert_allclose(fed[0, :, 5, 5], [1, 2, 3], rtol=1e-6)
+    assert fed.shape == (3, 16, 16)
+    np.testing.assert_allclose(fed[:, 5, 5], [1, 2, 3], rtol=1e-6)
+
+
+@pytest.mark.parametrize("resize", ["stretch", "letterbox"])
+@pytest.mark.parametrize("shape", [(48, 64), (45, 77), (80, 33)])
+def test_maps_come_back_to_the_pixels_of_the_image(tmp_path, resize, shape):
+    """Whole, in part, and one pixel at a time: the same values."""
+    text = SEMANTICS.replace('"stretch"', f'"{resize}"')
+    sidecar = OnnxModel(semantics_model(tmp_path, text)).sidecar
+    model_map = np.random.default_rng(0).normal(size=(24, 32)).astype(np.float32)
+    whole = to_image(model_map, sidecar, shape, smooth=True)
+    assert whole.shape == shape
+    x_ratio, y_ratio = pixels_per_pixel(shape, sidecar)
+    step = x_ratio * 32 / 16, y_ratio * 24 / 16
+    last = (int(shape[1] * step[0]) - 1, int(shape[0] * step[1]) - 1)  # cells without padding
+    for y in range(0, shape[0], 7):
+        for x in range(0, shape[1], 5):
+            if (x + 0.5) * step[0] - 0.5 < last[0] and (y + 0.5) * step[1] - 0.5 < last[1]:
+                expected = segmenter_reference.sample(model_map, x, y, step)
+                # OpenCV's warp interpolates at 1/32 of a cell.
+                assert whole[y, x] == pytest.approx(expected, abs=0.15)
+    part = to_image(model_map, sidecar, shape, smooth=True, window=(3, 5, 20, 30))
+    assert np.abs(part[:-5, :-5] - whole[5:25, 3:15]).max() < 0.15
+    for least in (0.5, 1.5, 2.0):
+        x0, y0, x1, y1 = reach(model_map, least, sidecar, shape)
+        outside = np.ones(shape, bool)
+        outside[y0:y1, x0:x1] = False
+        assert whole[outside].max(initial=-9) < least
+    assert reach(model_map, 99.0, sidecar, shape) is None
 
 
 def test_semantics_classes_and_confidence(tmp_path):
     model = OnnxModel(semantics_model(tmp_path))
     image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     image[:24, :, 1], image[24:, :, 2] = 30, 10  # scores 3 for floor, 1 for table
-    class_map, confidence = class_maps(model(image), model.sidecar, (HEIGHT, WIDTH))
+    class_map, confidence = class_maps(model(image)["output"], model.sidecar, (HEIGHT, WIDTH))
     assert np.all(class_map[:22] == class_named("floor").id)
     assert np.all(class_map[26:] == class_named("table").id)
     assert confidence[5, 5] == pytest.approx(np.exp(3) / (np.exp(3) + 2), rel=1e-4)
@@ -150,7 +147,8 @@ def test_boxes_decode_and_suppress(tmp_path):
     )
     model = OnnxModel(boxes_model(tmp_path, raw))
     image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
-    boxes = decode_yolox(model(image), model.sidecar, (HEIGHT, WIDTH), min_score=0.5)
+    output = model(image)["output"]
+    boxes = decode_yolox(output, model.sidecar, (HEIGHT, WIDTH), min_score=0.5)
     assert [classes()[c].name for c in boxes.class_id] == ["chair", "cup"]
     np.testing.assert_allclose(boxes.score, [0.81, 0.63], rtol=1e-5)
     # The letterbox maps 64 pixels to 32: twice the model's pixels.
@@ -200,7 +198,7 @@ def downward_camera() -> np.ndarray:
 
 def test_boxes_and_semantics_together(tmp_path):
     spec = f"{boxes_model(tmp_path)}+{semantics_model(tmp_path)}"
-    segmenter = open_segmenter(spec, tmp_path, settings=SETTINGS, threads=1)
+    segmenter = open_segmenter(spec, tmp_path, settings=SETTINGS)
     color = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     color[..., 1] = 60
     depth = np.full((HEIGHT, WIDTH), 1.5, np.float32)
@@ -247,9 +245,12 @@ def test_the_hash_follows_model_and_sidecar(tmp_path):
     ("old", "new", "says"),
     [
         ('name = "scores"', 'name = "logits"', r"no output 'logits'(.|\n)*'scores'"),
-        ("shape = [1, 3, 16, 16]\n\n", "", "shape"),
-        ("[1, 3, 16, 16]\n", "[1, 4, 16, 16]\n", r"\[1, 3, 16, 16\].*\[1, 4, 16, 16\]"),
-        ('kind = "semantics"', 'kind = "masks"', "boxes, semantics"),
+        ("[1, 3, 16, 16]\n", "[1, 3, 16, 32]\n", r"\[1, 3, 16, 16\].*\[1, 3, 16, 32\]"),
+        ('name = "scores"\nshape = [1, 3', 'name = "scores"\nshape = [1, 4', "3 labels has"),
+        ('name = "scores"\nshape = [1, 3, 16, 16]', 'name = "scores"', "has no 'shape'"),
+        ('kind = "semantics"', 'kind = "masks"', "boxes, semantics, instances, panoptic"),
+        ('decoder = "logits"', 'decoder = "yolox"', "logits, labels"),
+        ('resize = "stretch"', 'resize = "stretch"\nmeans = [0, 0, 0]', r"input\.means(.|\n)*mean"),
         ('"table"]', '"tabel"]', "tabel"),
         ('resize = "stretch"', 'resize = "crop"', "letterbox, stretch"),
         ("[input]", "[input", "is not TOML"),
@@ -257,8 +258,7 @@ def test_the_hash_follows_model_and_sidecar(tmp_path):
     ],
 )
 def test_bad_sidecars_say_what_is_wrong(tmp_path, old, new, says):
-    text = SEMANTICS.replace(old, new) if old in SEMANTICS else SEMANTICS[: SEMANTICS.rindex("sh")]
-    path = semantics_model(tmp_path, text)
+    path = semantics_model(tmp_path, SEMANTICS.replace(old, new))
     with pytest.raises(SegmenterError, match=says) as error:
         OnnxModel(path)
     assert error.value.hint
@@ -280,8 +280,8 @@ def test_outputs_that_differ_at_run_time(tmp_path):
     """A model that declares no shape is found out when it runs."""
     (tmp_path / "semantics.toml").write_text(SEMANTICS)
     node = helper.make_node("Concat", ["image", "image"], ["scores"], axis=1)
-    shape = ["n", "c", "h", "w"]
-    path = write_model(tmp_path / "semantics.onnx", [node], [1, 3, 16, 16], "scores", shape)
+    shapes = {"image": [1, 3, 16, 16]}, {"scores": ["n", "c", "h", "w"]}
+    path = write_graph(tmp_path / "semantics.onnx", [node], *shapes)
     # ONNX infers the shape of Concat where it can; the batch axis hides it here.
     with pytest.raises(SegmenterError, match=r"\[1, 6, 16, 16\].*\[1, 3, 16, 16\]"):
         OnnxModel(path)(np.zeros((HEIGHT, WIDTH, 3), np.uint8))
@@ -299,13 +299,31 @@ def test_two_models_of_a_kind(tmp_path):
         "yolox_nano_coco80",
         "deeplabv3_mnv2_ade20k32_logits",
         "deeplabv3_mnv2_ade20k32_int8qdq",
+        "yolov8n-seg",
+        "yolo11n-seg",
+        "detr-resnet-50-panoptic",
+        "mask2former-swin-tiny-coco-panoptic",
+        "oneformer-ade20k-swin-tiny",
     ],
 )
 def test_shipped_sidecars(tmp_path, stem):
     sidecar = find_sidecar(tmp_path / f"{stem}.onnx")
     assert sidecar.source == f"shipped sidecars/{stem}.toml"
     names = [classes()[c].name for c in sidecar.class_of]
-    if sidecar.kind == "boxes":
+    if sidecar.kind in ("boxes", "instances"):
         assert names[56] == "chair" and names[0] == "person" and len(names) == 80
-    else:
+    elif sidecar.kind == "semantics":
         assert names[:5] == ["none", "wall", "none", "none", "floor"] and len(names) == 32
+    else:
+        label, count = {
+            "detr-resnet-50-panoptic": (62, 250),
+            "mask2former-swin-tiny-coco-panoptic": (56, 133),
+            "oneformer-ade20k-swin-tiny": (19, 150),
+        }[stem]
+        assert names[label] == "chair" and sidecar.is_thing[label] and len(names) == count
+        assert not sidecar.is_thing[names.index("floor")]
+
+
+def test_every_shipped_sidecar_is_tested():
+    tested = test_shipped_sidecars.pytestmark[0].args[1]
+    assert {f"{stem}.toml" for stem in tested} == set(shipped_sidecars())

@@ -8,21 +8,24 @@ from .measured_rates import MeasuredRates, measured_rates
 from .noise_rates import LEVELS, NoiseRates
 from .onnx_model import OnnxModel
 from .open_segmenter import open_segmenter
-from .segmenter import Segmenter
+from .panoptic_model import PanopticModel
+from .segmenter import BatchSegmenter, Segmenter
 from .sidecar import Sidecar, find_sidecar
 from .simulated import SimulatedSegmenter, TrueMasks
 from .true_views import TrueViews, read_true_views
 
-VERSION: int = 2
+VERSION: int = 3
 
 __all__ = [
     "LEVELS",
     "VERSION",
+    "BatchSegmenter",
     "BoxesAndSemantics",
     "FileMasks",
     "MeasuredRates",
     "NoiseRates",
     "OnnxModel",
+    "PanopticModel",
     "Segmenter",
     "Sidecar",
     "SimulatedSegmenter",

@@ -11,9 +11,10 @@ def connected_components(
     mask: Bool[np.ndarray, "height width"],
 ) -> tuple[Int[np.ndarray, "height width"], Int[np.ndarray, " components"]]:
     """Components of 4 neighbours: a label a pixel (0 = outside) and the pixels of each label."""
-    count, label, stats, _ = cv2.connectedComponentsWithStats(
+    count, label = cv2.connectedComponents(
         np.ascontiguousarray(mask, np.uint8), connectivity=4, ltype=cv2.CV_32S
     )
-    area = np.array(stats[:count, cv2.CC_STAT_AREA], np.int64)
+    label = np.asarray(label, np.int32)
+    area = np.bincount(label.ravel(), minlength=count)
     area[0] = 0
-    return np.asarray(label), area
+    return label, area

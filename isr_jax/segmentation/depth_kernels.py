@@ -1,7 +1,9 @@
 """Kernels of depth segmentation (Furrer et al. 2018): normals, discontinuity and convexity maps.
 
 Written for one depth image. Windows are read as shifted slices of a padded image, which XLA turns
-into one vectorised loop: two cores take about 8 ms for the 13 x 13 normals of 640 x 480 pixels.
+into one vectorised loop. Vectors are three images, not one image of vectors: a last axis of three
+does not vectorise. XLA compiles a loop for each output, so what several need stands before a
+barrier.
 """
 
 from __future__ import annotations
@@ -16,14 +18,17 @@ from ..types import Array, Camera
 
 _MIN_NORMAL_SUPPORT = 12.0
 """Pixels that a normal's plane is fitted to, at least."""
+_COLUMN_BITS = 16
+_COLUMN_MASK = (1 << _COLUMN_BITS) - 1
+"""A pixel is ``row << _COLUMN_BITS | column``."""
+_NO_SEED = -1
 
 
-def pixel_rays(camera: Camera) -> Float[Array, "height width 3"]:
-    """Viewing rays with z = 1: a pixel's point is its ray times its depth (camera frame)."""
-    u = (jnp.arange(camera.width, dtype=jnp.float32) - camera.cx) / camera.fx
-    v = (jnp.arange(camera.height, dtype=jnp.float32) - camera.cy) / camera.fy
-    u, v = jnp.broadcast_arrays(u[None, :], v[:, None])
-    return jnp.stack([u, v, jnp.ones_like(u)], -1)
+def _ray_slopes(camera: Camera) -> tuple[Array, Array]:
+    """x and y of the viewing rays with z = 1, a row and a column: times depth, a pixel's point."""
+    u = (jnp.arange(camera.width, dtype=jnp.float32) - camera.cx) * (1.0 / camera.fx)
+    v = (jnp.arange(camera.height, dtype=jnp.float32) - camera.cy) * (1.0 / camera.fy)
+    return u[None, :], v[:, None]
 
 
 def _shifted(padded: Array, dy: int, dx: int, radius: tuple[int, int], shape: tuple) -> Array:
@@ -77,7 +82,7 @@ def normals(
     camera: Camera,
     window: int,
     depth_ratio: Float[Array, ""],
-) -> tuple[Float[Array, "height width 3"], Bool[Array, "height width"]]:
+) -> tuple[Float[Array, "3 height width"], Bool[Array, "height width"]]:
     """Unit normals towards the camera (camera frame), and where there is one; 0 elsewhere.
 
     A plane n . v = 1 is linear in inverse depth, w = n . ray(u, v), so its least-squares fit
@@ -90,7 +95,9 @@ def normals(
     window separable: 26 terms a pixel instead of 169.
     """
     inverse_depth = jnp.where(depth_m > 0, 1.0 / jnp.where(depth_m > 0, depth_m, 1.0), 0.0)
-    n, x, y, xx, xy, yy, w, wx, wy = _window_sums(inverse_depth, window, depth_ratio)
+    inverse_depth = lax.optimization_barrier(inverse_depth)
+    sums = lax.optimization_barrier(tuple(_window_sums(inverse_depth, window, depth_ratio)))
+    n, x, y, xx, xy, yy, w, wx, wy = sums
     count = jnp.maximum(n, 1.0)
     xx, xy, yy = xx - x * x / count, xy - x * y / count, yy - y * y / count
     wx, wy = wx - w * x / count, wy - w * y / count
@@ -99,16 +106,17 @@ def normals(
     safe = jnp.where(valid, determinant, 1.0)
     a, b = (yy * wx - xy * wy) / safe, (xx * wy - xy * wx) / safe
     c = inverse_depth + (w - a * x - b * y) / count
-    rays = pixel_rays(camera)
+    ray_x, ray_y = _ray_slopes(camera)
     nx, ny = a * camera.fx, b * camera.fy
-    normal = -jnp.stack([nx, ny, c - nx * rays[..., 0] - ny * rays[..., 1]], -1)
-    length = jnp.linalg.norm(jnp.where(valid[..., None], normal, 1.0), axis=-1, keepdims=True)
-    return jnp.where(valid[..., None], normal / length, 0.0), valid
+    nz = c - nx * ray_x - ny * ray_y
+    length = jnp.sqrt(jnp.where(valid, nx * nx + ny * ny + nz * nz, 1.0))
+    unit = jnp.where(valid, -1.0 / length, 0.0)
+    return jnp.stack([nx * unit, ny * unit, nz * unit]), valid
 
 
 def discontinuity_map(
     depth_m: Float[Array, "height width"],
-    normal: Float[Array, "height width 3"],
+    normal: Float[Array, "3 height width"],
     camera: Camera,
     window: int,
     ratio: Float[Array, ""],
@@ -122,8 +130,9 @@ def discontinuity_map(
     """
     radius = window // 2
     padded = jnp.pad(depth_m, radius)
-    facing = jnp.sum(normal * pixel_rays(camera), -1)
-    slope_x, slope_y = normal[..., 0] / camera.fx, normal[..., 1] / camera.fy
+    ray_x, ray_y = _ray_slopes(camera)
+    facing = normal[0] * ray_x + normal[1] * ray_y + normal[2]
+    slope_x, slope_y = normal[0] * (1.0 / camera.fx), normal[1] * (1.0 / camera.fy)
     limit, steps = ratio * depth_m, jnp.zeros_like(depth_m, bool)
     for dy, dx in _offsets(window):
         z = _shifted(padded, dy, dx, (radius, radius), depth_m.shape)
@@ -137,7 +146,7 @@ def discontinuity_map(
 
 def convexity_map(
     depth_m: Float[Array, "height width"],
-    normal: Float[Array, "height width 3"],
+    normal: Float[Array, "3 height width"],
     camera: Camera,
     window: int,
     mask_m: Float[Array, ""],
@@ -152,24 +161,23 @@ def convexity_map(
     tangent plane leans there, and so half of every convex edge looked concave.
     """
     radius = window // 2
-    rays = pixel_rays(camera)
-    pad = ((radius, radius), (radius, radius))
-    depth_near = jnp.pad(depth_m, pad)
-    normal_near = [jnp.pad(normal[..., k], pad) for k in range(3)]
+    ray_x, ray_y = _ray_slopes(camera)
+    depth_near = jnp.pad(depth_m, radius)
+    normal_near = [jnp.pad(normal[k], radius) for k in range(3)]
     depth_near, *normal_near = lax.optimization_barrier((depth_near, *normal_near))
     phi = jnp.ones_like(depth_m)
     for dy, dx in _offsets(window):
         at = (dy, dx, (radius, radius), depth_m.shape)
         z = _shifted(depth_near, *at)
         other = [_shifted(n, *at) for n in normal_near]
-        cosine = sum(normal[..., k] * other[k] for k in range(3))
+        cosine = sum(normal[k] * other[k] for k in range(3))
         # v' - v = ray (z' - z) + z' (dx / fx, dy / fy, 0)
         move = [
-            rays[..., 0] * (z - depth_m) + z * (dx / camera.fx),
-            rays[..., 1] * (z - depth_m) + z * (dy / camera.fy),
+            ray_x * (z - depth_m) + z * (dx / camera.fx),
+            ray_y * (z - depth_m) + z * (dy / camera.fy),
             z - depth_m,
         ]
-        turn = sum(move[k] * (other[k] - normal[..., k]) for k in range(3))
+        turn = sum(move[k] * (other[k] - normal[k]) for k in range(3))
         concave_at = 0.5 * turn < mask_m
         has_normal = _shifted(normal_near[2], *at) != 0
         concave = concave_at & (z > 0) & has_normal
@@ -208,7 +216,7 @@ def interior_map(
         limits: normal depth ratio, discontinuity ratio, convexity mask (m), convexity threshold.
     """
     normal, has_normal = normals(depth_m, camera, normal_window, limits[0])
-    # Without the barriers XLA recomputes windows inside windows: 40 ms instead of 12.
+    # Without the barriers XLA recomputes windows inside windows: three times slower.
     normal, has_normal = lax.optimization_barrier((normal, has_normal))
     phi = convexity_map(depth_m, normal, camera, convexity_window, limits[2])
     convex = lax.optimization_barrier((phi >= limits[3]) & has_normal)
@@ -230,23 +238,27 @@ def join_edges(
     at, so that a pixel joins within the window and ``distance_m`` of it. Unlike a search of the
     whole window it never jumps a gap, and needs 8 neighbours a round instead of 80 at once.
     """
-    points = pixel_rays(camera) * depth_m[..., None]
-    channels = [points[..., k] for k in range(3)]
-    seeds = list(channels)
+    ray_x, ray_y = _ray_slopes(camera)
+    step_x, step_y = 1.0 / camera.fx, 1.0 / camera.fy
+    rows, columns = (jnp.arange(n, dtype=jnp.int32) for n in depth_m.shape)
+    # A point is two words instead of three: the pixel that it was seen in, and its depth.
+    here = rows[:, None] << _COLUMN_BITS | columns[None, :]
+    seed, seed_depth = jnp.where(label > 0, here, _NO_SEED), depth_m
     for _ in range(window // 2):
-        padded = [jnp.pad(s, 1) for s in seeds]
-        padded_label = jnp.pad(label, 1)
-        padded, padded_label = lax.optimization_barrier((padded, padded_label))
-        best = jnp.full_like(depth_m, distance_m * distance_m)
-        new_label, new_seeds = label, list(seeds)
+        padded = (jnp.pad(seed, 1, constant_values=_NO_SEED), jnp.pad(seed_depth, 1))
+        padded = lax.optimization_barrier(padded)
+        best = jnp.where((seed < 0) & (depth_m > 0), distance_m * distance_m, 0.0)
         for dy, dx in _offsets(3):
-            at = (dy, dx, (1, 1), depth_m.shape)
-            seed = [_shifted(p, *at) for p in padded]
-            candidate = _shifted(padded_label, *at)
-            gap = sum((p - s) ** 2 for p, s in zip(channels, seed, strict=True))
-            better = (label == 0) & (depth_m > 0) & (candidate > 0) & (gap < best)
+            other, z = (_shifted(p, dy, dx, (1, 1), depth_m.shape) for p in padded)
+            x = ((other & _COLUMN_MASK).astype(jnp.float32) - camera.cx) * step_x
+            y = ((other >> _COLUMN_BITS).astype(jnp.float32) - camera.cy) * step_y
+            gap = (ray_x * depth_m - x * z) ** 2 + (ray_y * depth_m - y * z) ** 2
+            gap = gap + (depth_m - z) ** 2
+            better = (other >= 0) & (gap < best)
             best = jnp.where(better, gap, best)
-            new_label = jnp.where(better, candidate, new_label)
-            new_seeds = [jnp.where(better, s, o) for s, o in zip(seed, new_seeds, strict=True)]
-        label, seeds = lax.optimization_barrier((new_label, new_seeds))
-    return label
+            seed, seed_depth = jnp.where(better, other, seed), jnp.where(better, z, seed_depth)
+        seed, seed_depth = lax.optimization_barrier((seed, seed_depth))
+    found = jnp.maximum(seed, 0)
+    flat = (found >> _COLUMN_BITS) * depth_m.shape[1] + (found & _COLUMN_MASK)
+    flat = lax.optimization_barrier(flat)
+    return jnp.where(seed >= 0, jnp.ravel(label)[flat], 0)

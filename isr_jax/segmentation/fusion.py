@@ -40,7 +40,8 @@ def segment_frame(
         panoptic: Masks; those with a score below ``settings.min_score`` are ignored.
         settings: Of this stage. With ``bilateral`` masks also split segments, else segments only
             take labels; with ``remove_outliers`` pieces of a thing far from the rest of it go to
-            the background.
+            the background; with ``fill_from_masks`` pixels that no segment holds (edges of depth,
+            noise far away: a seventh of the returns of a furnished room) follow their mask.
 
     Returns:
         ``instance`` is the row of the mask in ``panoptic``, for layout and stuff as well. Classes
@@ -67,6 +68,7 @@ def label_segments(
     counts[0, 0] -= np.count_nonzero(~seen)
     kinds = np.array([info.kind for info in classes()])[mask_class]
     is_small = counts.sum(1) < settings.min_segment_px
+    is_small[0] = True  # what no segment holds is fragments
     label = _labels(counts, kinds, is_small, settings)
     pieces = _cut(label, pair, segment.shape)
     is_stray = np.zeros(len(pieces.mask), bool)
@@ -105,6 +107,8 @@ def _labels(
     rest[0] = -1
     keeps[0] = False
     label = np.where(keeps, np.arange(counts.shape[1]), rest[:, None])
+    if settings.fill_from_masks:
+        label[0, 1:] = np.arange(1, counts.shape[1])
     # People move: all that their mask covers is left out of the map, whatever its shape.
     dynamic = np.flatnonzero(kinds == "dynamic")
     label[:, dynamic] = dynamic

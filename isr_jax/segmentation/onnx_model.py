@@ -1,39 +1,69 @@
-"""Border: runs an ONNX model as its sidecar says (ONNX Runtime, OpenCV)."""
+"""Border: runs an ONNX model as its sidecar says (ONNX Runtime)."""
 
 from __future__ import annotations
 
 import hashlib
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
-import cv2
 import numpy as np
-import onnxruntime
-from jaxtyping import Float, UInt8
+from jaxtyping import UInt8
 
 from ..errors import SegmenterError
-from .sidecar import Sidecar, find_sidecar
+from .model_image import prepare
+from .onnx_session import open_session
+from .sidecar import Constant, Sidecar, find_sidecar
+
+_MAX_BATCH = 8
+"""Images that go in at once where the model leaves the number open; bounds the memory."""
 
 
 class OnnxModel:
     """One ONNX model with its session, opened once and checked against its sidecar."""
 
-    def __init__(self, path: Path | str, *, threads: int = 0) -> None:
+    def __init__(self, path: Path | str, *, provider: str = "auto", threads: int = 0) -> None:
         self.path = Path(path)
         if not self.path.is_file():
             raise SegmenterError(f"{self.path} does not exist", "give the path of an ONNX model")
         self.sidecar: Sidecar = find_sidecar(self.path)
         self.threads = threads or os.cpu_count() or 1
-        self._session = _open_session(self.path, self.threads)
-        self.provider = self._session.get_providers()[0]
-        self._check_declared()
+        self._session = open_session(self.path, provider=provider, threads=threads)
+        self.provider: str = self._session.get_providers()[0]
+        self._names = {o.name: role for role, o in self.sidecar.outputs.items()}
+        self.batch_size = self._check_declared()
+        self._constants = {c.name: _array(c) for c in self.sidecar.constants}
 
-    def __call__(self, image: UInt8[np.ndarray, "height width 3"]) -> np.ndarray:
-        """The model's output for an RGB image."""
-        given = {self.sidecar.input_name: prepare(image, self.sidecar)}
-        output = np.asarray(self._session.run([self.sidecar.output_name], given)[0])
-        self._check_shape("output", self.sidecar.output_name, output.shape)
-        return output
+    def __call__(self, image: UInt8[np.ndarray, "height width 3"]) -> dict[str, np.ndarray]:
+        """The outputs for an RGB image by their roles, without batch axis; see `Sidecar`."""
+        return self.batch([image])[0]
+
+    def batch(
+        self, images: Sequence[UInt8[np.ndarray, "height width 3"]]
+    ) -> list[dict[str, np.ndarray]]:
+        """The outputs of each image. They go in together as far as the model takes several."""
+        found, size = [], self.batch_size or min(len(images), _MAX_BATCH)
+        for start in range(0, len(images), max(size, 1)):
+            some = [prepare(image, self.sidecar) for image in images[start : start + size]]
+            spare = size - len(some) if self.batch_size else 0
+            outputs = self._run(np.stack([*some, *some[-1:] * spare]))
+            found += [{r: v[k] for r, v in outputs.items()} for k in range(len(some))]
+        return found
+
+    def _run(self, fed: np.ndarray) -> dict[str, np.ndarray]:
+        given = {n: _repeated(v, len(fed)) for n, v in self._constants.items()}
+        try:
+            outputs = self._session.run([*self._names], {self.sidecar.input_name: fed, **given})
+        except Exception as error:  # ONNX Runtime's own classes derive from Exception alone
+            raise SegmenterError(
+                f"{self.path} failed on {len(fed)} images: {str(error).splitlines()[0]}",
+                f"compare {self.sidecar.source} with what the model takes",
+            ) from None
+        arrays = {name: np.asarray(v) for name, v in zip(self._names, outputs, strict=True)}
+        for name, array in arrays.items():
+            expected = (len(fed), *self.sidecar.outputs[self._names[name]].shape[1:])
+            self._check_shape("output", name, array.shape, expected)
+        return {self._names[name]: array for name, array in arrays.items()}
 
     def content_hash(self) -> str:
         """Hex digest of the model's bytes and of its sidecar."""
@@ -46,25 +76,42 @@ class OnnxModel:
         where = f"{self.provider}, {self.threads} threads"
         return f"{self.path.name} ({self.sidecar.kind}; {self.sidecar.source}; {where})"
 
-    def _check_declared(self) -> None:
+    def _check_declared(self) -> int:
+        """Compare names and shapes with the sidecar's; returns the batch size, 0 = any."""
         side = self.sidecar
         inputs = {i.name: i.shape for i in self._session.get_inputs()}
         outputs = {o.name: o.shape for o in self._session.get_outputs()}
-        for what, name, found in (
-            ("input", side.input_name, inputs),
-            ("output", side.output_name, outputs),
-        ):
-            if name not in found:
-                raise SegmenterError(
-                    f"{self.path} has no {what} {name!r}, which {side.source} names; "
-                    f"it has {', '.join(map(repr, found))}",
-                    f"correct {what}.name in the sidecar",
-                )
-            self._check_shape(what, name, found[name])
+        expected = {side.input_name: side.input_shape, **{c.name: c.shape for c in side.constants}}
+        results = {o.name: o.shape for o in side.outputs.values()}
+        declared = [inputs.get(n) for n in expected] + [outputs.get(n) for n in results]
+        batch = next((d[0] for d in declared if d and isinstance(d[0], int)), 0)
+        for what, found, shapes in (("input", inputs, expected), ("output", outputs, results)):
+            for name, shape in shapes.items():
+                self._check_one(what, name, found, (batch or shape[0], *shape[1:]))
+        spare = [name for name in inputs if name not in expected]
+        if spare:
+            raise SegmenterError(
+                f"{self.path} also wants the input {spare[0]!r} {inputs[spare[0]]}, which "
+                f"{side.source} does not give",
+                "add it to the sidecar as [[constants]]",
+            )
+        return batch
 
-    def _check_shape(self, what: str, name: str, found) -> None:
+    def _check_one(
+        self, what: str, name: str, found: dict[str, list], shape: tuple[int, ...]
+    ) -> None:
+        if name not in found:
+            raise SegmenterError(
+                f"{self.path} has no {what} {name!r}, which {self.sidecar.source} names; it has "
+                + ", ".join(f"{n!r} {s}" for n, s in found.items()),
+                f"correct the {what}'s name in the sidecar",
+            )
+        self._check_shape(what, name, found[name], shape)
+
+    def _check_shape(
+        self, what: str, name: str, found: Sequence, expected: tuple[int, ...]
+    ) -> None:
         """A dimension of the model that is no number is free."""
-        expected = getattr(self.sidecar, f"{what}_shape")
         same = len(found) == len(expected) and all(
             not isinstance(f, int) or f == e for f, e in zip(found, expected, strict=True)
         )
@@ -72,66 +119,17 @@ class OnnxModel:
             raise SegmenterError(
                 f"{self.path}: {what} {name!r} has shape {list(found)}, {self.sidecar.source} "
                 f"says {list(expected)}",
-                f"correct {what}.shape in the sidecar, or take the model that it describes",
+                f"correct the {what}'s shape in the sidecar, or take the model that it describes",
             )
 
 
-def _open_session(path: Path, threads: int) -> onnxruntime.InferenceSession:
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads
-    options.log_severity_level = 3
-    available = onnxruntime.get_available_providers()
-    wanted = ("CUDAExecutionProvider", "CPUExecutionProvider")
-    providers = [p for p in wanted if p in available]
-    try:
-        return onnxruntime.InferenceSession(str(path), options, providers=providers)
-    except Exception as error:  # ONNX Runtime's own classes derive from Exception alone
-        raise SegmenterError(
-            f"{path} is not a model that ONNX Runtime can load: {str(error).splitlines()[0]}",
-            "export it to ONNX again, or give another file",
-        ) from None
+def _array(constant: Constant) -> np.ndarray:
+    value = np.array(constant.value, constant.dtype)
+    if len(value) == 1:
+        return np.full(constant.shape, value[0])
+    return value.reshape(constant.shape)
 
 
-def prepare(image: UInt8[np.ndarray, "height width 3"], sidecar: Sidecar) -> np.ndarray:
-    """The image as the model wants it: size, channel order, numbers, layout."""
-    height, width = sidecar.input_size
-    if sidecar.resize == "letterbox":
-        ratio = letterbox_ratio(image.shape[:2], sidecar)
-        inner = (round(image.shape[1] * ratio), round(image.shape[0] * ratio))
-        fitted = np.full((height, width, 3), sidecar.pad, np.uint8)
-        fitted[: inner[1], : inner[0]] = cv2.resize(image, inner, interpolation=cv2.INTER_LINEAR)
-    else:
-        fitted = cv2.resize(image, (width, height), interpolation=cv2.INTER_LINEAR)
-    if sidecar.color == "BGR":
-        fitted = fitted[..., ::-1]
-    if sidecar.dtype == "float32":
-        fitted = (fitted - np.array(sidecar.mean, np.float32)) * np.array(sidecar.scale, np.float32)
-    if sidecar.layout == "NCHW":
-        fitted = fitted.transpose(2, 0, 1)
-    return np.ascontiguousarray(fitted[None])
-
-
-def letterbox_ratio(shape: tuple[int, ...], sidecar: Sidecar) -> float:
-    """Pixels of the model's input per pixel of an image of ``shape`` (height, width)."""
-    height, width = sidecar.input_size
-    return min(height / shape[0], width / shape[1])
-
-
-def class_maps(
-    output: np.ndarray, sidecar: Sidecar, shape: tuple[int, int]
-) -> tuple[np.ndarray, Float[np.ndarray, "height width"]]:
-    """Our class a pixel of an image of ``shape``, and the confidence in it.
-
-    ``labels`` outputs know no confidence: it is 0.75 everywhere.
-    """
-    table = np.array(sidecar.class_of, np.int32)
-    size = (shape[1], shape[0])
-    if sidecar.decoder == "labels":
-        label = cv2.resize(output[0].astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
-        return table[label], np.full(shape, 0.75, np.float32)
-    label = output[0].argmax(0)
-    top = np.take_along_axis(output[0], label[None], 0)
-    confidence = (1.0 / np.exp(output[0] - top).sum(0)).astype(np.float32)
-    # Edges come from depth: classes are enlarged without smoothing.
-    label = cv2.resize(label.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)
-    return table[label], cv2.resize(confidence, size, interpolation=cv2.INTER_LINEAR)
+def _repeated(constant: np.ndarray, count: int) -> np.ndarray:
+    """The constant for each of so many images."""
+    return np.repeat(constant, count // len(constant), 0)

@@ -10,13 +10,15 @@ from .boxes_semantics import BoxesAndSemantics
 from .file_masks import FileMasks
 from .noise_rates import LEVELS
 from .onnx_model import OnnxModel
+from .panoptic_model import PanopticModel
 from .segmenter import Segmenter
 from .simulated import SimulatedSegmenter
 from .true_views import read_true_views
 
 _ALTERNATIVES = (
-    "use a folder with panoptic.json (or masks:FOLDER), boxes.onnx+semantics.onnx, or, where the "
-    "sequence has true masks, simulated:" + "|".join(LEVELS)
+    "use a folder with panoptic.json (or masks:FOLDER, masks:FILE.json), panoptic.onnx, "
+    "boxes.onnx+semantics.onnx, or, where the sequence has true masks, simulated:"
+    + "|".join(LEVELS)
 )
 
 
@@ -26,18 +28,17 @@ def open_segmenter(
     *,
     settings: SegmentationSettings | None = None,
     seed: int = 0,
-    threads: int = 0,
 ) -> Segmenter:
     """The segmenter that ``spec`` names.
 
     Args:
-        spec: ``simulated[:LEVEL]``; ``masks[:FOLDER]`` or a folder with panoptic.json;
-            ``A.onnx+B.onnx`` (one model of boxes, one of semantics, or one alone); "" takes the
-            masks of the sequence.
+        spec: ``simulated[:LEVEL]``; ``masks[:PATH]`` with a COCO panoptic JSON file or its folder,
+            or such a folder; ``A.onnx+B.onnx`` (one model of boxes or instances, one of semantics,
+            or one alone) or ``A.onnx`` of panoptic kind; "" takes the masks of the sequence.
         sequence_dir: The sequence's folder: where its own masks are.
-        settings: Of this stage; the defaults if None.
+        settings: Of this stage; the defaults if None. ``onnx_provider`` and ``onnx_threads`` say
+            where models run.
         seed: Of the simulated segmenter.
-        threads: Of the ONNX models; 0 = all cores.
     """
     sequence_dir, settings = Path(sequence_dir), settings or SegmentationSettings()
     head, _, rest = spec.partition(":")
@@ -45,7 +46,7 @@ def open_segmenter(
         views = read_true_views(sequence_dir / "truth" / "views.json")
         return SimulatedSegmenter(FileMasks(sequence_dir), rest or "strong", seed=seed, views=views)
     if spec.endswith(".onnx"):
-        return _from_models(spec, settings, threads)
+        return _from_models(spec, settings)
     if head == "masks":
         return FileMasks(Path(rest) if rest else sequence_dir)
     if spec and (Path(spec) / "panoptic.json").is_file():
@@ -57,14 +58,24 @@ def open_segmenter(
     return FileMasks(sequence_dir)
 
 
-def _from_models(spec: str, settings: SegmentationSettings, threads: int) -> Segmenter:
-    by_kind: dict[str, OnnxModel] = {}
+def _from_models(spec: str, settings: SegmentationSettings) -> Segmenter:
+    parts: dict[str, OnnxModel] = {}
     for path in spec.split("+"):
-        model = OnnxModel(path, threads=threads)
-        if model.sidecar.kind in by_kind:
+        model = OnnxModel(path, provider=settings.onnx_provider, threads=settings.onnx_threads)
+        kind = model.sidecar.kind
+        part = "boxes" if kind == "instances" else kind
+        if part in parts:
+            other = parts[part].sidecar.kind
             raise SegmenterError(
-                f"{spec}: two models of {model.sidecar.kind}",
-                "give one model of boxes and one of semantics",
+                f"{spec}: two models of {kind}" if kind == other else f"{spec}: {other} and {kind}",
+                "give one model of boxes or instances and one of semantics",
             )
-        by_kind[model.sidecar.kind] = model
-    return BoxesAndSemantics(by_kind.get("boxes"), by_kind.get("semantics"), settings)
+        parts[part] = model
+    if "panoptic" not in parts:
+        return BoxesAndSemantics(parts.get("boxes"), parts.get("semantics"), settings)
+    if len(parts) > 1:
+        raise SegmenterError(
+            f"{spec}: {parts['panoptic'].path.name} is panoptic: it finds things and stuff alone",
+            "give it alone",
+        )
+    return PanopticModel(parts["panoptic"], settings)

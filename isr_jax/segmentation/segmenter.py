@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 from ..types import Frame, PanopticFrame
@@ -23,4 +24,13 @@ class Segmenter(Protocol):
 
     def describe(self) -> str:
         """What it is, for the log: files, hardware, noise rates."""
+        ...
+
+
+@runtime_checkable
+class BatchSegmenter(Segmenter, Protocol):
+    """A source of masks that gains from several frames at once, as a model on an accelerator."""
+
+    def batch(self, frames: Sequence[Frame]) -> list[PanopticFrame]:
+        """The masks of each frame, up to rounding as one by one."""
         ...

@@ -3,18 +3,56 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import tomllib
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+from ..errors import SegmenterError
+from .sidecar_checks import check_channels, known_keys, one_of
+from .sidecar_labels import read_labels
 
-from ..classes import LABEL_SETS, class_named, label_table
-from ..errors import ClassError, SegmenterError
+ROLES = {
+    "yolox": ("output",),
+    "logits": ("output",),
+    "labels": ("output",),
+    "yolo_seg": ("cells", "prototypes"),
+    "queries": ("classes", "masks"),
+}
+"""The outputs that each decoder reads: ``[output]``, or a table ``[outputs.ROLE]`` for each."""
+DECODERS = {
+    "boxes": ("yolox",),
+    "semantics": ("logits", "labels"),
+    "instances": ("yolo_seg",),
+    "panoptic": ("queries",),
+}
+"""The decoders of each kind of model."""
 
-KINDS = ("boxes", "semantics")
-DECODERS = {"boxes": ("yolox",), "semantics": ("logits", "labels")}
+
+@dataclasses.dataclass(frozen=True)
+class Output:
+    """One output that is read."""
+
+    name: str
+    shape: tuple[int, ...]
+    layout: str = "NCHW"
+    """``NCHW`` or ``NHWC``: where the channels of an image-like output are."""
+    strides: tuple[int, ...] = ()
+    """Of the grids of a ``yolox`` output."""
+    box_unit: str = "pixels"
+    """Of the boxes of ``yolo_seg``: ``pixels`` of the model's input, or ``share`` of its size."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Constant:
+    """An input that is the same for every image: an attention mask, the tokens of a task."""
+
+    name: str
+    shape: tuple[int, ...]
+    dtype: str
+    value: tuple[float, ...]
+    """All elements, or one number for all of them."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,11 +62,20 @@ class Sidecar:
     source: str
     """Where it was found."""
     kind: str
-    """``boxes`` or ``semantics``."""
+    """``boxes``, ``semantics``, ``instances`` (boxes with masks) or ``panoptic``."""
     decoder: str
-    """``yolox``: [1, cells, 5 + classes] raw. ``logits``: [1, classes, h, w]. ``labels``: [1, h, w]."""  # noqa: E501
+    """How its outputs are read:
+
+    - ``yolox``: [1, cells, 5 + classes], raw.
+    - ``logits``: [1, classes, h, w]. ``labels``: [1, h, w].
+    - ``yolo_seg``: cells [1, 4 + classes + p, cells], prototypes [1, p, h, w].
+    - ``queries``: class logits [1, queries, classes + 1], the last for "no object", and mask
+      logits [1, queries, h, w].
+    """
     class_of: tuple[int, ...]
     """Our class for each of the model's labels; 0 = none."""
+    is_thing: tuple[bool, ...]
+    """Whether the model tells instances of that label apart."""
     input_name: str
     input_shape: tuple[int, ...]
     layout: str
@@ -41,11 +88,10 @@ class Sidecar:
     pad: int
     mean: tuple[float, ...]
     scale: tuple[float, ...]
-    """Input = (pixel - mean) * scale, a channel."""
-    output_name: str
-    output_shape: tuple[int, ...]
-    strides: tuple[int, ...]
-    """Of the grids of a ``yolox`` output."""
+    """Input = (pixel - mean) * scale, a channel; pixels are 0 to 255."""
+    outputs: dict[str, Output]
+    """By role; see `ROLES`."""
+    constants: tuple[Constant, ...] = ()
 
     @property
     def input_size(self) -> tuple[int, int]:
@@ -65,11 +111,12 @@ def find_sidecar(model: Path) -> Sidecar:
     raise SegmenterError(
         f"{model} has no sidecar: neither {beside} exists nor a shipped one",
         f"write {beside.name}: kind, decoder, label_set or labels, [input], [output] "
-        f"(shipped examples: {', '.join(_shipped())})",
+        f"(docs/segmenters.md; shipped examples: {', '.join(shipped_sidecars())})",
     )
 
 
-def _shipped() -> list[str]:
+def shipped_sidecars() -> list[str]:
+    """File names of the sidecars that come with the package."""
     folder = resources.files("isr_jax.segmentation").joinpath("sidecars")
     return sorted(f.name for f in folder.iterdir() if f.name.endswith(".toml"))
 
@@ -87,43 +134,87 @@ def parse_sidecar(text: str, source: str) -> Sidecar:
 
 
 def _from_toml(content: dict[str, Any], source: str) -> Sidecar:
-    given, result = content["input"], content["output"]
-    kind = _one_of(source, "kind", content["kind"], KINDS)
-    return Sidecar(
+    known_keys(source, content)
+    kind = one_of(source, "kind", content["kind"], tuple(DECODERS))
+    decoder = one_of(source, "decoder", content["decoder"], DECODERS[kind])
+    class_of, is_thing = read_labels(content, source)
+    given = content["input"]
+    sidecar = Sidecar(
         source=source,
         kind=kind,
-        decoder=_one_of(source, "decoder", content["decoder"], DECODERS[kind]),
-        class_of=_classes(content, source),
+        decoder=decoder,
+        class_of=class_of,
+        is_thing=is_thing,
         input_name=given["name"],
         input_shape=tuple(given["shape"]),
-        layout=_one_of(source, "input.layout", given["layout"], ("NCHW", "NHWC")),
-        dtype=_one_of(source, "input.dtype", given["dtype"], ("float32", "uint8")),
-        color=_one_of(source, "input.color", given["color"], ("RGB", "BGR")),
-        resize=_one_of(source, "input.resize", given["resize"], ("letterbox", "stretch")),
+        layout=one_of(source, "input.layout", given["layout"], ("NCHW", "NHWC")),
+        dtype=one_of(source, "input.dtype", given["dtype"], ("float32", "float16", "uint8")),
+        color=one_of(source, "input.color", given["color"], ("RGB", "BGR")),
+        resize=one_of(source, "input.resize", given["resize"], ("letterbox", "stretch")),
         pad=given.get("pad", 0),
-        mean=tuple(given.get("mean", (0.0, 0.0, 0.0))),
-        scale=tuple(given.get("scale", (1.0, 1.0, 1.0))),
-        output_name=result["name"],
-        output_shape=tuple(result["shape"]),
-        strides=tuple(result.get("strides", ())),
+        mean=_floats(given.get("mean", [0.0, 0.0, 0.0])),
+        scale=_floats(given.get("scale", [1.0, 1.0, 1.0])),
+        outputs=_outputs(content, ROLES[decoder], source),
+        constants=tuple(_constant(c, source) for c in content.get("constants", ())),
+    )
+    shapes = {role: _channels_first(output) for role, output in sidecar.outputs.items()}
+    check_channels(source, decoder, len(class_of), shapes)
+    return sidecar
+
+
+def _outputs(content: dict[str, Any], roles: tuple[str, ...], source: str) -> dict[str, Output]:
+    if roles == ("output",):
+        return {"output": _output(content["output"], source, "output")}
+    tables = content["outputs"]
+    missing = [r for r in roles if r not in tables]
+    if missing:
+        raise SegmenterError(
+            f"{source} has no [outputs.{missing[0]}]",
+            f"add it; this decoder reads {' and '.join(f'[outputs.{r}]' for r in roles)}",
+        )
+    return {role: _output(tables[role], source, f"outputs.{role}") for role in roles}
+
+
+def _output(table: dict[str, Any], source: str, where: str) -> Output:
+    return Output(
+        name=table["name"],
+        shape=tuple(table["shape"]),
+        layout=one_of(source, f"{where}.layout", table.get("layout", "NCHW"), ("NCHW", "NHWC")),
+        strides=tuple(table.get("strides", ())),
+        box_unit=one_of(
+            source, f"{where}.box_unit", table.get("box_unit", "pixels"), ("pixels", "share")
+        ),
     )
 
 
-def _one_of(source: str, key: str, value: Any, choices: tuple[str, ...]) -> str:
-    if value not in choices:
-        raise SegmenterError(f"{source}: {key} = {value!r}", f"use one of: {', '.join(choices)}")
-    return value
+def _channels_first(output: Output) -> tuple[int, ...]:
+    if output.layout == "NHWC" and len(output.shape) == 4:
+        batch, height, width, channels = output.shape
+        return batch, channels, height, width
+    return output.shape
 
 
-def _classes(content: dict[str, Any], source: str) -> tuple[int, ...]:
-    """From ``labels`` (our names, "" = none) or ``label_set`` with ``label_count``."""
-    try:
-        if "labels" in content:
-            return tuple(class_named(name).id if name else 0 for name in content["labels"])
-        table = label_table(_one_of(source, "label_set", content["label_set"], LABEL_SETS))
-    except ClassError as error:
-        raise SegmenterError(f"{source}: {error.problem}", error.hint) from None
-    count = content["label_count"]
-    padded = np.zeros(max(count, len(table)), np.int64)
-    padded[: len(table)] = table
-    return tuple(int(c) for c in padded[:count])
+def _floats(values: list[float | int]) -> tuple[float, ...]:
+    return tuple(float(v) for v in values)
+
+
+def _constant(table: dict[str, Any], source: str) -> Constant:
+    shape, value = tuple(table["shape"]), table["value"]
+    if not shape:
+        raise SegmenterError(
+            f"{source}: constant {table['name']!r} has no axis", "its first axis is the batch, 1"
+        )
+    value = _floats(value if isinstance(value, list) else [value])
+    size = math.prod(shape)
+    if len(value) not in (1, size):
+        raise SegmenterError(
+            f"{source}: constant {table['name']!r} of shape {list(shape)} has {len(value)} values",
+            f"give one number for all, or {size}",
+        )
+    dtypes = ("float32", "int64", "int32", "bool")
+    return Constant(
+        table["name"],
+        shape,
+        one_of(source, "constants.dtype", table.get("dtype", "float32"), dtypes),
+        value,
+    )

@@ -116,7 +116,31 @@ def piece_labels(segment, mask, kinds, small_px, settings):
         result[here] = rest
         for m in cut | split:
             result[here & (mask == m)] = m
+    if settings.fill_from_masks:
+        alone = (segment == 0) & (mask > 0)
+        result[alone] = mask[alone]
     for m, kind in enumerate(kinds):
         if kind == "dynamic":
             result[(mask == m)] = m
     return result
+
+
+def largest_clusters(points, owner, pixels, instance, distance_m):
+    """Pieces of the largest cluster of each instance: all pairs of samples, clusters by flooding.
+
+    Args:
+        points: [samples, 3].
+        owner: Piece of each sample.
+        pixels: Of each piece.
+        instance: Of each piece; 0 = of none.
+        distance_m: At which samples hang together.
+    """
+    near = np.linalg.norm(points[:, None] - points[None], axis=-1) <= distance_m
+    cluster = np.arange(len(instance))
+    for a, b in zip(*np.nonzero(near), strict=True):
+        if instance[owner[a]] == instance[owner[b]]:
+            one, other = cluster[owner[a]], cluster[owner[b]]
+            cluster[cluster == one] = other
+    weight = np.array([pixels[cluster == c].sum() for c in cluster])
+    most = np.array([weight[instance == i].max() for i in instance])
+    return (instance == 0) | (weight == most)
