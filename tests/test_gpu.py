@@ -17,7 +17,7 @@ from isr_jax.config import (
 from isr_jax.contact_graph import build_contact_graphs
 from isr_jax.evaluation import contingency
 from isr_jax.geometry import points_to_mesh_distance
-from isr_jax.mapping import PanopticMapper
+from isr_jax.mapping import MapBatch, PanopticMapper, pool
 from isr_jax.matching import match
 
 from .builders import box_entity, box_mesh, floor_entity, library_of, scene_of, table_model
@@ -74,23 +74,84 @@ def assert_close(there, here, tolerance):
     np.testing.assert_allclose(np.asarray(there), np.asarray(here), rtol=tolerance, atol=tolerance)
 
 
-def test_fusion(gpu):
+def small_film(radius):
+    """Four frames of a table on a floor."""
     solids = [
         Solid("plane", (0, 0, 1), 0.013, class_id=class_named("floor").id),
         Solid("box", (0, 0, 0.37), (0.4, 0.3, 0.37), yaw=0.35, class_id=class_named("table").id),
     ]
-    frames = [render(solids, T, index=i) for i, T in enumerate(orbit((0, 0, 0.4), 1.6, 1.1, 4))]
+    poses = orbit((0, 0, 0.4), radius, 1.1, 4)
+    return [render(solids, T, index=i) for i, T in enumerate(poses)]
+
+
+def mapped(frames, **changes):
+    settings = MappingSettings(voxel_size_m=0.03, block_capacity=1024, **changes)
+    mapper = PanopticMapper(CAMERA, settings)
+    for frame, segments in frames:
+        mapper.integrate(frame, segments)
+    return mapper
+
+
+def voxels(mapper):
+    """Distance, weight, leading label and its count of all voxels in use."""
+    rows = np.arange(mapper.blocks.used)
+    fields = pool.sdf_m(mapper.pool, rows), pool.weight(mapper.pool, rows)
+    return [np.asarray(f) for f in (*fields, *pool.leading_label(mapper.pool, rows))]
+
+
+def assert_same_voxels(there, here):
+    """But for those whose projection rounds onto the other pixel."""
+    seen = here[1] > 0
+    assert np.mean(np.abs(there[0] - here[0])[seen] > SDF_M) < OTHER_PIXEL
+    np.testing.assert_allclose(there[1][seen].sum(), here[1][seen].sum(), rtol=OTHER_PIXEL)
+    labelled = here[2] > 0
+    assert np.mean((there[2] != here[2])[labelled]) < 5 * OTHER_PIXEL
+    assert np.mean((there[3] != here[3])[labelled]) < 5 * OTHER_PIXEL
+
+
+def test_fusion(gpu):
+    """Distances, weights, labels and free space; with several frames a step too."""
+    frames, points = small_film(1.6), np.random.default_rng(7).uniform(-1.5, 1.5, (5000, 3))
 
     def fused():
-        mapper = PanopticMapper(CAMERA, MappingSettings(voxel_size_m=0.03, block_capacity=1024))
-        for frame, segments in frames:
-            mapper.integrate(frame, segments)
-        return mapper.blocks.used, np.asarray(mapper.pool.sdf_m), np.asarray(mapper.pool.weight)
+        mapper = mapped(frames)
+        several = mapped(frames, frames_per_step=3)
+        for one, other in zip(voxels(mapper), voxels(several), strict=True):
+            np.testing.assert_array_equal(one, other)
+        return mapper.blocks.used, voxels(mapper), mapper.observed(points)
 
-    (used, sdf_m, weight), (used_there, sdf_there_m, _) = on_both(gpu, fused)
+    (used, here, known), (used_there, there, known_there) = on_both(gpu, fused)
     assert used_there == used
-    differs = np.abs(sdf_there_m - sdf_m)[weight > 0] > SDF_M
-    assert differs.mean() < OTHER_PIXEL
+    assert_same_voxels(there, here)
+    assert np.mean(known != known_there) < OTHER_PIXEL
+
+
+def test_a_batch_of_maps(gpu):
+    """Maps that fuse in one call are the maps by themselves, there as here."""
+    films = [small_film(radius) for radius in (1.4, 1.6, 1.8)]
+    with jax.default_device(gpu):
+        alone = [mapped(film) for film in films]
+        maps = [mapped([]) for _ in films]
+        with MapBatch(maps) as batch:
+            for step in zip(*films, strict=True):
+                batch.integrate([frame for frame, _ in step], [segments for _, segments in step])
+        for one, other in zip(maps, alone, strict=True):
+            for a, b in zip(voxels(one), voxels(other), strict=True):
+                np.testing.assert_array_equal(a, b)
+
+
+def test_a_saved_map_goes_on_and_is_fused_again(gpu, tmp_path):
+    frames = small_film(1.6)
+    with jax.default_device(gpu):
+        whole = mapped(frames, keep_frames=True)
+        mapped(frames[:2], keep_frames=True).save(tmp_path / "map.npz")
+        resumed = PanopticMapper.load(tmp_path / "map.npz")
+        for frame, segments in frames[2:]:
+            resumed.integrate(frame, segments)
+        again = resumed.refuse(np.stack([frame.T_world_camera for frame, _ in frames]))
+        for other in (resumed, again):
+            for a, b in zip(voxels(whole), voxels(other), strict=True):
+                np.testing.assert_array_equal(a, b)
 
 
 def test_from_contact_graph_to_alignment(gpu):

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import dataclasses
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from isr_jax.classes import class_named
 from isr_jax.config import MappingSettings
-from isr_jax.errors import MapError
+from isr_jax.errors import FrameError, MapError
 from isr_jax.mapping import PanopticMapper, label_slots
-from isr_jax.mapping import fuse as kernels
+from isr_jax.mapping.fusion_step import Fusion
 from isr_jax.mapping.pool import (
     BLOCK_SIDE,
     LABEL_BITS,
     LABEL_MASK,
     VOXEL_OFFSETS,
+    empty_pool,
     leading_labels,
 )
+from isr_jax.mapping.state import MapState, ReadyFrame
 from isr_jax.types import Camera, FrameSegments
 
 from .reference.mapping_reference import CAMERA, Solid, count_slots, fuse_voxel, orbit, render
@@ -163,20 +164,17 @@ def test_order_of_frames_does_not_matter_to_geometry(frames):
 def fused_again(mapper, frames):
     """Distances and weights of the frames fused into all blocks of a map, labels aside."""
     used = mapper.blocks.used
-    slots, coords = mapper._padded(np.arange(used, dtype=np.int32))
-    pool = kernels.VoxelPool(
-        jnp.zeros_like(mapper.pool.sdf_m), jnp.zeros_like(mapper.pool.weight),
-        jnp.zeros_like(mapper.pool.color), mapper.pool.labels,
-    )  # fmt: skip
-    pool = jax.tree.map(jnp.copy, pool)  # the kernel takes its pool for itself
+    pool = empty_pool(mapper.blocks.capacity, SETTINGS.label_slots)
+    fusion = Fusion(CAMERA, mapper.scale, pool)
+    rows = np.arange(used, dtype=np.int32)
+    state = MapState(SETTINGS)
+    state.blocks = mapper.blocks
     for frame, segments in frames:
-        packed = kernels.pack_frame(frame.depth_m, segments.segment, frame.color)
-        T = np.linalg.inv(frame.T_world_camera.astype(float)).astype(np.float32)
-        hits = jnp.zeros((len(slots), 512), jnp.uint32)
-        pool, _ = kernels.fuse_frame(
-            pool, hits, packed, T, CAMERA, mapper.scale, slots, coords, np.int32(used)
-        )
-    return np.asarray(pool.sdf_m)[:used], np.asarray(pool.weight)[:used]
+        posed = mapper.posed(frame, segments)
+        T = np.linalg.inv(frame.T_world_camera.astype(float))
+        tables = segments.class_id, segments.instance
+        fusion.fuse([state], [[ReadyFrame(posed.packed, T, rows, *tables)]])
+    return np.asarray(fusion.pool.sdf_m)[:used], np.asarray(fusion.pool.weight)[:used]
 
 
 def test_two_runs_give_the_same_bits(frames, mapped):
@@ -203,8 +201,9 @@ def test_overflow_names_the_setting_and_keeps_the_map(frames):
 
 
 def test_a_frame_of_another_size_is_refused(frames):
-    other = Camera(CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy, CAMERA.width // 2, CAMERA.height)
-    with pytest.raises(MapError, match="the camera has"):
+    half = (n / 2 for n in (CAMERA.fx, CAMERA.fy, CAMERA.cx, CAMERA.cy))
+    other = Camera(*half, CAMERA.width // 2, CAMERA.height // 2)
+    with pytest.raises(FrameError, match="the camera has"):
         PanopticMapper(other, SETTINGS).integrate(*frames[0])
 
 
@@ -288,37 +287,34 @@ def test_label_slots_follow_the_stated_policy():
         assert set(zip(counts[row].tolist(), got)) == set(expected)
 
 
-def test_maps_of_several_sequences_fuse_in_one_call(frames):
-    """The per-frame kernel maps over a leading axis of pools, with block counts of their own."""
-    mapper = fused(frames[:1])
-    used = mapper.blocks.used
-    slots, coords = mapper._padded(np.arange(used, dtype=np.int32))
-    counts = np.array([used, 100], np.int32)
-    args = []
-    for frame, segments in frames[1:3]:
-        T = np.linalg.inv(frame.T_world_camera.astype(float)).astype(np.float32)
-        args.append((kernels.pack_frame(frame.depth_m, segments.segment, frame.color), T))
-
-    def one(packed, T, count):
-        hits = jnp.zeros((len(slots), 512), jnp.uint32)
-        return kernels.fuse_blocks(
-            mapper.pool, hits, packed, T, CAMERA, mapper.scale, slots, coords, count
-        )[0].sdf_m
-
-    stacked = jax.tree.map(lambda *leaves: jnp.stack(leaves), *args)
-    together = jax.jit(jax.vmap(one))(*stacked, counts)
-    for k, (packed, T) in enumerate(args):
-        alone = one(packed, T, jnp.asarray(counts[k]))
-        assert np.allclose(together[k], alone, atol=1e-6)
-    assert not np.allclose(together[0], together[1], atol=1e-3)
-
-
 def test_relabel_adds_up_slots_that_become_one():
     def slot(label, count):
         return jnp.full((64, 512), (count << LABEL_BITS) | label, jnp.uint32)
 
     table = np.array([0, 1, 1, 3], np.uint32)
-    out = label_slots.relabel((slot(3, 9), slot(1, 6), slot(2, 5)), table, np.int32(60))
+    rows, first = np.arange(64, dtype=np.int32), np.zeros(64, np.int32)
+    labels = slot(3, 9), slot(1, 6), slot(2, 5)
+    out, changed = label_slots.relabel(labels, table[None], rows, first, np.int32(64))
+    assert np.all(changed)
     assert int(out[0][0, 0]) == (11 << LABEL_BITS) | 1
     assert int(out[1][0, 0]) == (9 << LABEL_BITS) | 3
     assert int(out[2][0, 0]) & ~LABEL_MASK == 0
+
+
+def test_slots_of_forgotten_labels_are_empty():
+    """Three voxels whose labels are 1, 2 and both; label 1 is forgotten, 2 becomes 1."""
+    one, two = np.uint32(1 << LABEL_BITS | 1), np.uint32(3 << LABEL_BITS | 2)
+    first = np.zeros((64, 512), np.uint32)
+    second = np.zeros((64, 512), np.uint32)
+    first[0, :3], second[0, 2] = [one, two, two], one
+    slots = (jnp.asarray(first), jnp.asarray(second))
+    found = label_slots.leading_somewhere(slots[0], np.array([0, 1], np.int32), 4)
+    assert np.asarray(found).tolist() == [False, True, True, False]
+    table = np.array([[0, 0, 1, 0]], np.uint32)
+    rows = np.arange(64, dtype=np.int32)
+    (first, second), changed = label_slots.relabel(
+        slots, table, rows, np.zeros(64, np.int32), np.int32(64)
+    )
+    renamed = np.uint32(3 << LABEL_BITS | 1)
+    assert np.asarray(first)[0, :4].tolist() == [0, renamed, renamed, 0]
+    assert not np.asarray(second).any() and np.asarray(changed)[:2].tolist() == [True, False]

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from isr_jax.classes import class_named
 from isr_jax.config import MappingSettings
+from isr_jax.mapping.association import one_to_one
 from isr_jax.mapping.labels import LabelFusion
 from isr_jax.mapping.pool import LABEL_BITS, LABEL_MASK
 from isr_jax.mapping.votes import Votes, assign_labels, count_votes, overlapping_pairs
@@ -221,3 +224,89 @@ def test_without_regulation_instances_stay():
     for _ in range(14):
         observe(fusion, [1, 2], [CHAIR, CHAIR], [1, 1])
     assert fusion.decide(1) == (CHAIR, 1) and fusion.decide(2) == (CHAIR, 2)
+
+
+def test_labels_of_things_seen_as_two_stay_two():
+    """Doors of two cabinets in one plane: a depth segment that spans them is no reason."""
+    for beside, merged in ((0, True), (4, False)):
+        fusion = with_labels(2, merge_min_frames=3)
+        for _ in range(10):
+            observe(fusion, [1], [CHAIR], [1])
+        for _ in range(10):
+            observe(fusion, [2], [CHAIR], [1])
+        for _ in range(beside):
+            observe(fusion, [1, 2], [CHAIR, CHAIR], [1, 2])
+        for _ in range(5):
+            name(fusion, [[0, 0, 0], [0, 60, 40]])
+        assert (fusion.canonical[2] == 1) == merged
+
+
+def test_merged_labels_give_their_numbers_back():
+    fusion = with_labels(5)
+    for label in range(1, 6):
+        for _ in range(label):
+            observe(fusion, [label], [TABLE], [1])
+    fusion._merge_labels(2, 4)
+    seen = list(fusion.frames_seen)
+    decided = fusion.decisions()
+    new = fusion.compact()
+    assert new is not None and new.tolist() == [0, 1, 2, 3, 2, 4]
+    assert fusion.label_count == 5 and fusion.frames_seen == [seen[i] for i in (0, 1, 2, 3, 5)]
+    for before, after in zip(decided, fusion.decisions(), strict=True):
+        assert np.array_equal(before, after[new])
+    assert fusion._fresh_label() == 5, "the number is given again"
+    assert fusion.compact() is None
+
+
+def test_optimal_assignment_gives_the_most_votes():
+    """Greedy takes 60 and leaves 10; the best sum is 50 + 55."""
+    votes = votes_of([[0, 0, 0], [0, 60, 55], [0, 50, 10]])
+    owner = np.arange(3)
+    assert assign_labels(votes, 5, owner).tolist() == [0, 1, 2]
+    assert assign_labels(votes, 5, owner, "optimal").tolist() == [0, 2, 1]
+
+
+@settings(max_examples=50, deadline=None)
+@given(table=arrays(np.int64, (4, 5), elements=st.integers(0, 9)))
+def test_one_to_one_is_the_best_of_all(table):
+    """Against all permutations."""
+    counts = {(i, j): int(n) for (i, j), n in np.ndenumerate(table) if n}
+    best = max(sum(table[i, p[i]] for i in range(4)) for p in itertools.permutations(range(5), 4))
+    found = one_to_one(counts, "optimal")
+    assert len(set(found.values())) == len(found)
+    assert sum(counts[pair] for pair in found.items()) == best
+    greedy = one_to_one(counts, "greedy")
+    assert len(set(greedy.values())) == len(greedy)
+    assert sum(counts[pair] for pair in greedy.items()) <= best
+
+
+@settings(max_examples=30, deadline=None)
+@given(steps=st.lists(st.tuples(st.integers(1, 4), st.integers(1, 5)), max_size=60))
+def test_shares_kept_up_to_date_are_those_of_the_counts(steps):
+    """Against the definition, summed over all labels."""
+    fusion = with_labels(4)
+    things = [fusion.instances.fresh(CHAIR) for _ in range(5)]
+    for label, which in steps:
+        key = CHAIR, things[which - 1]
+        fusion.counts[label][key] = fusion.counts[label].get(key, 0) + 1
+        fusion.shares.count(label, key[1])
+    phi = np.zeros((5, 6), int)
+    for label, which in steps:
+        phi[label, which] += 1
+    for a, b in itertools.combinations(range(1, 6), 2):
+        wanted = np.minimum(phi[:, a], phi[:, b]).sum()
+        assert fusion.shares.shared.get(things[a - 1], {}).get(things[b - 1], 0) == wanted
+    assert [fusion.shares.total[o] for o in things] == phi.sum(0)[1:].tolist()
+
+
+def test_labels_that_lead_no_voxel_are_forgotten():
+    fusion = with_labels(5)
+    for label in range(1, 6):
+        observe(fusion, [label], [TABLE], [1])
+    fusion._merge_labels(2, 4)
+    fusion.pair_frames = {(1, 3): 1, (3, 5): 2}
+    leading = np.array([True, False, False, True, True, True])  # 4 is 2 by now
+    new = fusion.forget(leading)
+    assert new is not None and new.tolist() == [0, 0, 1, 2, 1, 3]
+    assert fusion.label_count == 4 and fusion.pair_frames == {(2, 3): 2}
+    assert fusion.forget(np.ones(4, bool)) is None

@@ -18,6 +18,7 @@ from .stages import (
 
 _PAPER = Settings(
     preset="paper",
+    segmentation=SegmentationSettings(fill_from_masks=False),
     mapping=MappingSettings(
         label_band_voxels=4.0,
         carve=False,
@@ -78,7 +79,9 @@ _PAPER = Settings(
 _VOXBLOX = dataclasses.replace(
     _PAPER,
     preset="voxblox++",
-    segmentation=SegmentationSettings(bilateral=False, remove_outliers=False, majority_ratio=0.8),
+    segmentation=SegmentationSettings(
+        fill_from_masks=False, bilateral=False, remove_outliers=False, majority_ratio=0.8
+    ),
     mapping=dataclasses.replace(
         _PAPER.mapping, counts="pairs", regulate=False, merge_overlap_ratio=0.1, merge_min_frames=2
     ),

@@ -74,6 +74,9 @@ class SegmentationSettings(Checked):
     split_mask_ratio: float = setting(
         0.5, "... only if this share of the mask lies in the segment", low=0.0, high=1.0
     )
+    fill_from_masks: bool = setting(
+        True, "pixels with depth that no segment holds follow their mask (paper: not)"
+    )
     min_piece_px: int = setting(
         100, "smaller pieces are not cut out of a segment", unit="px", low=0
     )
@@ -87,6 +90,21 @@ class SegmentationSettings(Checked):
         low=0.0,
     )
     min_score: float = setting(0.4, "masks with a lower score are ignored", low=0.0, high=1.0)
+    onnx_provider: str = setting(
+        "auto",
+        "where ONNX models run; auto: CUDA where it works, else the CPU",
+        choices=(
+            "auto",
+            "cpu",
+            "cuda",
+            "tensorrt",
+            "migraphx",
+            "openvino",
+            "directml",
+            "coreml",
+        ),
+    )
+    onnx_threads: int = setting(0, "CPU threads of an ONNX model; 0 = all cores", low=0)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,12 +125,22 @@ class MappingSettings(Checked):
         16384, "blocks of 8^3 voxels to start with; doubles when full", low=64, static=True
     )
     max_blocks: int = setting(262144, "bound of the capacity", low=64)
+    frames_per_step: int = setting(
+        1, "frames that wait for each other and fuse in one call", low=1, high=16, static=True
+    )
+    keep_frames: bool = setting(False, "keep frames in memory, to fuse them again at other poses")
     label_slots: int = setting(3, "label counts kept a voxel", low=1, high=8, static=True)
     label_band_voxels: float = setting(
         2.0, "voxels this near the surface count its label", unit="voxels", low=0.5, high=20.0
     )
     carve: bool = setting(True, "known blocks that are seen through are freed (paper: not)")
     min_votes: int = setting(20, "voxel votes a segment needs to take a map label", low=1)
+    association: str = setting(
+        "greedy",
+        "how segments take map labels, and frame instances global ones: the largest count first, "
+        "or the greatest sum of counts",
+        choices=("greedy", "optimal"),
+    )
     share_labels: bool = setting(
         True, "segments of one instance in a frame may take one map label (paper: not)"
     )

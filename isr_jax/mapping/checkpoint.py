@@ -12,51 +12,48 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..config import MappingSettings
-from ..errors import MapError
+from ..errors import IsrError, MapError
 from ..types import Camera
+from .kept_frames import KeptFrame, KeptFrames
+from .labels import LabelFusion
 from .pool import BLOCK_VOXELS, VoxelPool
+from .state import MapState
 
-FORMAT = 1
+FORMAT = 3
+_COUNTERS = ("frames", "step")
 
 
 def save(mapper, path: Path) -> None:
     """Write the whole state; the file appears whole or not at all."""
-    used, fusion = mapper.blocks.used, mapper.labels
-    found = fusion.instances
+    mapper.finish()
+    state, pool = mapper.state, mapper.fusion.pool
+    used = state.blocks.used
     arrays = {
-        "sdf_m": mapper.pool.sdf_m[:used],
-        "weight": mapper.pool.weight[:used],
-        "color": mapper.pool.color[:used],
-        "labels": np.stack([np.asarray(s[:used]) for s in mapper.pool.labels]),
-        "coords": mapper.blocks.coords[:used],
-        "grid": np.stack([mapper.blocks.origin, mapper.blocks.extent]),
-        "canonical": fusion.canonical,
-        "frames_seen": np.array(fusion.frames_seen),
-        "counts": _table(
-            [(i, *k, n) for i, c in enumerate(fusion.counts) for k, n in c.items()], 4
-        ),
-        "pair_frames": _table([(*k, n) for k, n in fusion.pair_frames.items()], 3),
-        "apart": _table([(*k, n) for k, n in found.apart.items()], 3),
-        "instances": np.array([found.class_of, found.into, found.frames]),
+        "sdf_m": pool.sdf_m[:used],
+        "weight": pool.weight[:used],
+        "color": pool.color[:used],
+        "labels": np.stack([np.asarray(s[:used]) for s in pool.labels]),
+        "coords": state.blocks.coords[:used],
+        "stamp": state.blocks.stamp[:used],
+        "origin": state.blocks.origin,
+        "passes": state.blocks.passes,
     }
     about = {
         "format": FORMAT,
         "settings": dataclasses.asdict(mapper.settings),
         "camera": {f: getattr(mapper.camera, f) for f in ("fx", "fy", "cx", "cy")}
         | {"width": mapper.camera.width, "height": mapper.camera.height},
-        "frames": mapper.frames,
-        "capacity": mapper.blocks.capacity,
-        "rewritten": mapper._rewritten,
+        "capacity": state.blocks.capacity,
+        "counters": {name: getattr(state, name) for name in _COUNTERS},
     }
+    arrays |= _labels_out(state.labels)
+    if mapper.kept is not None:
+        arrays |= _kept_out(mapper.kept)
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(path.name + ".partial")
     with partial.open("wb") as file:
         np.savez(file, about=np.array(json.dumps(about)), **arrays)
     os.replace(partial, path)
-
-
-def _table(rows: list[tuple[int, ...]], width: int) -> np.ndarray:
-    return np.array(sorted(rows), np.int64).reshape(-1, width)
 
 
 def load(mapper_type, path: Path):
@@ -65,27 +62,41 @@ def load(mapper_type, path: Path):
         with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
             stored = {name: file[name] for name in file.files}
         about = json.loads(str(stored["about"]))
-        settings = MappingSettings(**about["settings"])
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile) as error:
+        if about["format"] != FORMAT:
+            raise MapError(f"{path} has format {about['format']}, not {FORMAT}", "map anew")
+        mapper = mapper_type(Camera(**about["camera"]), MappingSettings(**about["settings"]))
+        for name in _COUNTERS:
+            setattr(mapper.state, name, about["counters"][name])
+        mapper.fusion.pool = _restore_blocks(mapper.state, stored, about["capacity"])
+        _restore_labels(mapper.state.labels, stored)
+        if mapper.kept is not None:
+            _restore_kept(mapper.kept, stored)
+    except MapError:
+        raise
+    except (
+        OSError,
+        EOFError,
+        LookupError,
+        ValueError,
+        TypeError,
+        zipfile.BadZipFile,
+        IsrError,
+    ) as error:
         raise MapError(
             f"{path} cannot be read as a map: {error}", "map the sequence anew"
         ) from error
-    if about["format"] != FORMAT:
-        raise MapError(f"{path} has format {about['format']}, not {FORMAT}", "map anew")
-    mapper = mapper_type(Camera(**about["camera"]), settings)
-    mapper.frames, mapper._rewritten = about["frames"], about["rewritten"]
-    _restore_blocks(mapper, stored, about["capacity"])
-    _restore_labels(mapper.labels, stored)
     return mapper
 
 
-def _restore_blocks(mapper, stored: dict[str, np.ndarray], capacity: int) -> None:
-    blocks, used = mapper.blocks, len(stored["coords"])
-    blocks.coords = np.zeros((capacity, 3), np.int32)
+def _restore_blocks(state: MapState, stored: dict[str, np.ndarray], capacity: int) -> VoxelPool:
+    blocks, used = state.blocks, len(stored["coords"])
+    blocks.resize(capacity)
     blocks.coords[:used] = stored["coords"]
+    blocks.stamp[:used] = stored["stamp"]
     blocks.used = used
-    blocks.origin = stored["grid"][0].astype(np.int32)
-    blocks.grid = np.full(stored["grid"][1], -1, np.int32)
+    blocks.origin = stored["origin"].astype(np.int32)
+    blocks.passes = stored["passes"]
+    blocks.grid = np.full(blocks.passes.shape, -1, np.int32)
     blocks.index_rows(0, used)
 
     def padded(rows):
@@ -94,10 +105,27 @@ def _restore_blocks(mapper, stored: dict[str, np.ndarray], capacity: int) -> Non
         return jnp.asarray(whole)
 
     sdf_m, weight, color = (padded(stored[name]) for name in ("sdf_m", "weight", "color"))
-    mapper.pool = VoxelPool(sdf_m, weight, color, tuple(padded(s) for s in stored["labels"]))
+    return VoxelPool(sdf_m, weight, color, tuple(padded(s) for s in stored["labels"]))
 
 
-def _restore_labels(fusion, stored: dict[str, np.ndarray]) -> None:
+def _table(rows: list[tuple[int, ...]], width: int) -> np.ndarray:
+    return np.array(sorted(rows), np.int64).reshape(-1, width)
+
+
+def _labels_out(fusion: LabelFusion) -> dict[str, np.ndarray]:
+    found = fusion.instances
+    counts = [(i, *k, n) for i, c in enumerate(fusion.counts) for k, n in c.items()]
+    return {
+        "canonical": fusion.canonical,
+        "frames_seen": np.array(fusion.frames_seen),
+        "counts": _table(counts, 4),
+        "pair_frames": _table([(*k, n) for k, n in fusion.pair_frames.items()], 3),
+        "apart": _table([(*k, n) for k, n in found.apart.items()], 3),
+        "instances": np.array([found.class_of, found.into, found.frames]),
+    }
+
+
+def _restore_labels(fusion: LabelFusion, stored: dict[str, np.ndarray]) -> None:
     fusion.canonical = stored["canonical"]
     fusion.frames_seen = stored["frames_seen"].tolist()
     fusion.counts = [{} for _ in fusion.frames_seen]
@@ -107,3 +135,33 @@ def _restore_labels(fusion, stored: dict[str, np.ndarray]) -> None:
     fusion.instances.apart = {(a, b): n for a, b, n in stored["apart"].tolist()}
     columns = stored["instances"].tolist()
     fusion.instances.class_of, fusion.instances.into, fusion.instances.frames = columns
+    fusion.recount()
+
+
+def _kept_out(kept: KeptFrames) -> dict[str, np.ndarray]:
+    """All images end to end, the length of each, and the tables of the segments end to end."""
+    frames = kept.frames
+    images = [(i, len(png)) for i, frame in enumerate(frames) for png in frame.images]
+    tables = [np.stack([f.class_id, f.instance]).astype(np.int64) for f in frames]
+    return {
+        "kept_bytes": np.frombuffer(b"".join(p for f in frames for p in f.images), np.uint8),
+        "kept_images": np.array(images, np.int64).reshape(-1, 2),
+        "kept_frames": np.array(
+            [(f.depth_unit, f.farthest, len(f.class_id)) for f in frames], np.int64
+        ).reshape(-1, 3),
+        "kept_segments": np.concatenate([np.zeros((2, 0), np.int64), *tables], 1),
+    }
+
+
+def _restore_kept(kept: KeptFrames, stored: dict[str, np.ndarray]) -> None:
+    data = stored["kept_bytes"].tobytes()
+    images: list[list[bytes]] = [[] for _ in stored["kept_frames"]]
+    start = 0
+    for frame, length in stored["kept_images"].tolist():
+        images[frame].append(data[start : start + length])
+        start += length
+    first = 0
+    for png, (unit, farthest, segments) in zip(images, stored["kept_frames"].tolist(), strict=True):
+        class_id, instance = stored["kept_segments"][:, first : first + segments].astype(np.int32)
+        kept.frames.append(KeptFrame(tuple(png), unit, farthest, class_id, instance))
+        first += segments

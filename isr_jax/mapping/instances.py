@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import collections
-
 import numpy as np
 from jaxtyping import Int
 
 from ..classes import classes
 from ..config import MappingSettings
+from .shares import Shares
 
 Triplets = dict[tuple[int, int], int]
 """Of one label: (class, instance) -> Phi, the frames in which it was both."""
@@ -55,47 +54,38 @@ class Instances:
             for b in things[i + 1 :]:
                 self.apart[a, b] = self.apart.get((a, b), 0) + 1
 
-    def regulate(self, counts: list[Triplets], seen: set[int]) -> None:
-        """Merge instances that lastingly share geometric labels; ``counts`` follow.
+    def frames_apart(self, a: int, b: int) -> int:
+        """Frames in which two instances were seen as two."""
+        return self.apart.get((min(a, b), max(a, b)), 0)
 
-        i and j merge when sum_l min(Phi(l,i), Phi(l,j)) > ratio * min(n_i, n_j) and > min, with
-        Phi(l,o) = sum_c Phi(l,c,o) and n = sum_l Phi(l,o). The released code counts associations
-        after the first shared one against n_i + n_j; the minimum forgives single wrong frames.
-        Instances that were seen as two in one frame more often than that never merge, so the
-        classes need not agree (``regulate_classes``): a table that was a counter for some frames
-        is one thing, a cup on a table is seen beside it and stays two.
+    def one_thing(self, shares: Shares, seen: set[int]) -> tuple[int, int] | None:
+        """The first pair of instances, one of them just ``seen``, that turn out to be one thing.
+
+        i and j are one when shared(i, j) > ratio * min(total(i), total(j)) and > min (`Shares`).
+        The released code counts associations after the first shared one against n_i + n_j; the
+        minimum forgives single wrong frames. Instances that were seen as two in one frame more
+        often than that stay two, so the classes need not agree (``regulate_classes``): a table
+        that was a counter for some frames is one thing, a cup on a table is seen beside it.
         """
-        shared: collections.Counter[tuple[int, int]] = collections.Counter()
-        totals: collections.Counter[int] = collections.Counter()
-        for triplets in counts:
-            things = self._things(triplets)
-            for i, (a, n_a) in enumerate(things):
-                totals[a] += n_a
-                for b, n_b in things[i + 1 :]:
-                    shared[a, b] += min(n_a, n_b)
-        for (a, b), count in sorted(shared.items()):
-            if (a in seen or b in seen) and self._are_one(a, b, count, totals):
-                self._merge(a, b, counts)
+        pairs = {
+            (min(a, b), max(a, b))
+            for a in seen
+            for b, count in shares.shared.get(a, {}).items()
+            if count > self.settings.instance_merge_min
+        }
+        return next((pair for pair in sorted(pairs) if self._are_one(*pair, shares)), None)
 
-    def _things(self, triplets: Triplets) -> list[tuple[int, int]]:
-        """Thing instances of a label and their counts over all classes, ascending."""
-        by_instance: collections.Counter[int] = collections.Counter()
-        for (_, instance), count in triplets.items():
-            if self.is_thing(instance):
-                by_instance[instance] += count
-        return sorted(by_instance.items())
-
-    def _are_one(self, a: int, b: int, shared: int, totals: collections.Counter[int]) -> bool:
-        alive = self.into[a] == a and self.into[b] == b
+    def _are_one(self, a: int, b: int, shares: Shares) -> bool:
         alike = self.group[self.class_of[a]] == self.group[self.class_of[b]]
+        shared = shares.shared[a][b]
         return bool(
-            alive
-            and (self.settings.regulate_classes or alike)
-            and shared > self.settings.instance_merge_ratio * min(totals[a], totals[b])
-            and shared > max(self.settings.instance_merge_min, self.apart.get((a, b), 0))
+            (self.settings.regulate_classes or alike)
+            and shared > self.settings.instance_merge_ratio * min(shares.total[a], shares.total[b])
+            and shared > max(self.settings.instance_merge_min, self.frames_apart(a, b))
         )
 
-    def _merge(self, keep: int, gone: int, counts: list[Triplets]) -> None:
+    def merge(self, keep: int, gone: int, counts: list[Triplets]) -> None:
+        """Make two instances one; ``counts`` follow."""
         self.into = [keep if o == gone else o for o in self.into]
         self.class_of[gone] = 0
         self.frames[keep] += self.frames[gone]

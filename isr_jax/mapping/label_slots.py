@@ -7,11 +7,12 @@ import functools
 import jax
 import jax.numpy as jnp
 from jax import lax
-from jaxtyping import Int, UInt32
+from jaxtyping import Bool, Int, UInt16, UInt32
 
 from ..types import Array
-from .fuse import CHUNK_BLOCKS
-from .pool import LABEL_BITS, LABEL_MASK, MAX_COUNT, ROW_MULTIPLE
+from .fuse import CHUNK_BLOCKS, SEGMENT_MASK
+from .pool import BLOCK_SIDE, LABEL_BITS, LABEL_MASK, MAX_COUNT, ROW_MULTIPLE
+from .wide_jit import wide_jit
 
 
 def count_label(slots, label):
@@ -41,58 +42,174 @@ def count_label(slots, label):
     return tuple(jnp.where(label > 0, o, s) for o, s in zip(out, slots, strict=True))
 
 
-@functools.partial(jax.jit, donate_argnames=("labels",))
+def count_leading(slot, label):
+    """`count_label` where the first slot holds the label, or nothing yet; and whether it does."""
+    one = jnp.uint32(1 << LABEL_BITS)
+    count = slot >> LABEL_BITS
+    known = (slot & LABEL_MASK) == label
+    new = jnp.where(known & (count > 0), slot + jnp.where(count < MAX_COUNT, one, 0), label | one)
+    settled = known | (count == 0) | (label == 0)
+    return jnp.where(label > 0, new, slot), settled
+
+
+@functools.partial(wide_jit, donate_argnames=("leading",))
+def count_leading_labels(
+    leading: UInt32[Array, "capacity 512"],
+    hits: UInt16[Array, "frames blocks 512"],
+    frame: Int[Array, ""],
+    rows: Int[Array, " labelled"],
+    places: Int[Array, " labelled"],
+    first_segment: Int[Array, " chunks"],
+    label_of_segment: UInt32[Array, " segments"],
+    chunks: Int[Array, ""],
+) -> tuple[UInt32[Array, "capacity 512"], Bool[Array, " labelled"]]:
+    """`count_labels` of the blocks whose voxels all need their first slot alone.
+
+    Most do, after some frames; that is a third of the memory traffic. The others are left as they
+    are: the second result says which.
+    """
+    see = _labels_seen(hits, frame, rows, places, first_segment, label_of_segment)
+
+    def step(i, carry):
+        leading, left = carry
+        chunk, label = see(i)
+        old = lax.optimization_barrier(jnp.take(leading, chunk, axis=0, mode="clip"))
+        new, settled = lax.optimization_barrier(count_leading(old, label))
+        columns = settled.reshape(len(settled), -1, BLOCK_SIDE)  # "all" of the last axis is slow
+        whole = jnp.all(lax.optimization_barrier(jnp.all(columns, 1)), 1)
+        new = jnp.where(whole[:, None], new, old)
+        leading = leading.at[chunk].set(new, mode="drop", unique_indices=True)
+        return leading, lax.dynamic_update_slice(left, ~whole, (i * CHUNK_BLOCKS,))
+
+    return lax.fori_loop(0, chunks, step, (leading, jnp.zeros(rows.shape, bool)))
+
+
+@functools.partial(wide_jit, donate_argnames=("labels",))
 def count_labels(
     labels: tuple[UInt32[Array, "capacity 512"], ...],
-    hits: UInt32[Array, "blocks 512"],
+    hits: UInt16[Array, "frames blocks 512"],
+    frame: Int[Array, ""],
+    rows: Int[Array, " labelled"],
+    places: Int[Array, " labelled"],
+    first_segment: Int[Array, " chunks"],
     label_of_segment: UInt32[Array, " segments"],
-    slots: Int[Array, " blocks"],
-    count: Int[Array, ""],
+    chunks: Int[Array, ""],
 ) -> tuple[UInt32[Array, "capacity 512"], ...]:
-    """Count the map label of the segment that each voxel saw (0 = no label)."""
+    """Count the map label of the segment that each voxel saw (0 = no label).
+
+    Args:
+        rows: Rows of the blocks; ``chunks`` chunks of `CHUNK_BLOCKS` are true, padding lies out of
+            range.
+        places: Places of the blocks in ``hits``.
+        first_segment: Where the segments of each chunk's map begin in ``label_of_segment``.
+    """
+    see = _labels_seen(hits, frame, rows, places, first_segment, label_of_segment)
 
     def step(i, labels):
-        start = i * CHUNK_BLOCKS
-        rows = lax.dynamic_slice(slots, (start,), (CHUNK_BLOCKS,))
-        seen = lax.dynamic_slice(hits, (start, 0), (CHUNK_BLOCKS, hits.shape[1]))
-        segment = lax.optimization_barrier((seen >> LABEL_BITS).astype(jnp.int32))
-        label = lax.optimization_barrier(label_of_segment[segment])
-        old = tuple(s.at[rows].get(mode="clip") for s in labels)
+        chunk, label = see(i)
+        old = tuple(jnp.take(s, chunk, axis=0, mode="clip") for s in labels)
+        old = lax.optimization_barrier(old)
         new = lax.optimization_barrier(count_label(old, label))
         return tuple(
-            s.at[rows].set(n, mode="drop", unique_indices=True)
+            s.at[chunk].set(n, mode="drop", unique_indices=True)
             for s, n in zip(labels, new, strict=True)
         )
 
-    trips = (count + CHUNK_BLOCKS - 1) // CHUNK_BLOCKS
-    return lax.fori_loop(0, trips, step, labels)
+    return lax.fori_loop(0, chunks, step, labels)
+
+
+def _labels_seen(hits, frame, rows, places, first_segment, label_of_segment):
+    """Rows of a chunk, and the map label that each voxel saw."""
+    blocks = hits.shape[1]
+    flat = hits.reshape(-1, hits.shape[2])
+
+    def see(i):
+        start = i * CHUNK_BLOCKS
+        chunk = lax.dynamic_slice(rows, (start,), (CHUNK_BLOCKS,))
+        place = lax.dynamic_slice(places, (start,), (CHUNK_BLOCKS,)) + frame * blocks
+        seen = lax.optimization_barrier(jnp.take(flat, place, axis=0, mode="clip"))
+        segment = (seen & SEGMENT_MASK).astype(jnp.int32)
+        segment = lax.optimization_barrier(segment + first_segment[i])
+        return chunk, lax.optimization_barrier(label_of_segment[segment])
+
+    return see
+
+
+@functools.partial(jax.jit, static_argnames=("size",))
+def leading_somewhere(
+    leading: UInt32[Array, "capacity 512"], rows: Int[Array, "2"], size: int
+) -> Bool[Array, " labels"]:
+    """Which labels below ``size`` are in the first slot of a voxel.
+
+    Args:
+        rows: First row, and number of rows.
+    """
+    first, count = rows
+
+    def step(i, found):
+        some = i * ROW_MULTIPLE + jnp.arange(ROW_MULTIPLE)
+        slots = jnp.take(leading, first + some, axis=0, mode="clip")
+        there = (some < count)[:, None] & (slots > LABEL_MASK)
+        label = jnp.where(there, slots & LABEL_MASK, size).astype(jnp.int32)
+        return found.at[label.reshape(-1)].set(True, mode="drop")
+
+    trips = (count + ROW_MULTIPLE - 1) // ROW_MULTIPLE
+    return lax.fori_loop(0, trips, step, jnp.zeros(size, bool))
 
 
 @functools.partial(jax.jit, donate_argnames=("labels",))
 def relabel(
     labels: tuple[UInt32[Array, "capacity 512"], ...],
-    table: UInt32[Array, " labels"],
-    used: Int[Array, ""],
-) -> tuple[UInt32[Array, "capacity 512"], ...]:
-    """Give every label its new number, in the first ``used`` rows of the pool.
+    tables: UInt32[Array, "tables labels"],
+    rows: Int[Array, " blocks"],
+    table_of: Int[Array, " blocks"],
+    count: Int[Array, ""],
+) -> tuple[tuple[UInt32[Array, "capacity 512"], ...], Bool[Array, " blocks"]]:
+    """Give every label its new number in the first ``count`` of some rows of the pool.
 
-    Slots of a voxel that become one label add up.
+    Slots of a voxel that become one label add up; slots are in order of counts, then of labels, so
+    that two renamings one after the other are the one that both make.
+
+    Args:
+        table_of: Table of each row.
+
+    Returns:
+        The slots, and whether a block's changed.
     """
+    width = tables.shape[1]
+    names = tables.reshape(-1)
 
-    def step(i, labels):
-        rows = i * ROW_MULTIPLE + jnp.arange(ROW_MULTIPLE)
-        renamed = _renamed([s[rows] for s in labels], table)
-        return tuple(
-            s.at[rows].set(n, mode="drop", unique_indices=True)
-            for s, n in zip(labels, renamed, strict=True)
+    def step(i, carry):
+        labels, changed = carry
+        start = i * ROW_MULTIPLE
+        some = lax.dynamic_slice(rows, (start,), (ROW_MULTIPLE,))
+        table = lax.dynamic_slice(table_of, (start,), (ROW_MULTIPLE,)) * width
+        old = [jnp.take(s, some, axis=0, mode="clip") for s in labels]
+        places = [(s & LABEL_MASK).astype(jnp.int32) + table[:, None] for s in old]
+        places = lax.optimization_barrier(places)
+        new = _renamed(old, [names[p] for p in places])
+        differs = functools.reduce(
+            jnp.logical_or, [jnp.any(a != b, 1) for a, b in zip(old, new, strict=True)]
         )
+        labels = tuple(
+            s.at[some].set(n, mode="drop", unique_indices=True)
+            for s, n in zip(labels, new, strict=True)
+        )
+        return labels, lax.dynamic_update_slice(changed, differs, (start,))
 
-    return lax.fori_loop(0, (used + ROW_MULTIPLE - 1) // ROW_MULTIPLE, step, labels)
+    trips = (count + ROW_MULTIPLE - 1) // ROW_MULTIPLE
+    return lax.fori_loop(0, trips, step, (labels, jnp.zeros(rows.shape, bool)))
 
 
-def _renamed(slots, table):
-    """A voxel's slots with new labels, equal ones added up, counts descending."""
-    new = [(s & ~jnp.uint32(LABEL_MASK)) | table[s & LABEL_MASK] for s in slots]
+def _renamed(slots, names):
+    """A voxel's slots with new labels, equal ones added up, by counts, then by labels.
+
+    A label that became 0 leaves its slot empty.
+    """
+    new = [
+        jnp.where(name > 0, (s & ~jnp.uint32(LABEL_MASK)) | name, 0)
+        for s, name in zip(slots, names, strict=True)
+    ]
     for i in range(len(new)):
         for j in range(i + 1, len(new)):
             same = (new[i] & LABEL_MASK) == (new[j] & LABEL_MASK)
@@ -100,14 +217,15 @@ def _renamed(slots, table):
             total = jnp.minimum((new[i] >> LABEL_BITS) + (new[j] >> LABEL_BITS), MAX_COUNT)
             new[i] = jnp.where(same, (total << LABEL_BITS) | (new[i] & LABEL_MASK), new[i])
             new[j] = jnp.where(same, 0, new[j])
-    return _sorted_by_count(new)
+    return _sorted(new)
 
 
-def _sorted_by_count(slots):
-    """Bubble sort of a few slots, counts descending; equal counts keep their order."""
+def _sorted(slots):
+    """Bubble sort of a few slots: counts descending, of equal counts the lower label first."""
     for end in range(len(slots) - 1, 0, -1):
         for i in range(end):
-            swap = (slots[i + 1] >> LABEL_BITS) > (slots[i] >> LABEL_BITS)
+            # with its label's bits turned round, a slot is its own place in the order
+            swap = (slots[i + 1] ^ LABEL_MASK) > (slots[i] ^ LABEL_MASK)
             slots[i], slots[i + 1] = (
                 jnp.where(swap, slots[i + 1], slots[i]),
                 jnp.where(swap, slots[i], slots[i + 1]),

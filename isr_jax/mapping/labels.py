@@ -11,13 +11,15 @@ import collections
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from ..classes import classes
 from ..config import MappingSettings
 from ..errors import MapError
+from .association import one_to_one
 from .instances import Instances, Triplets
 from .pool import LABEL_MASK
+from .shares import Shares
 from .votes import Votes, assign_labels, overlapping_pairs
 
 
@@ -34,6 +36,7 @@ class LabelFusion:
         self.counts: list[Triplets] = [{}]
         self.pair_frames: dict[tuple[int, int], int] = {}
         """Frames in which two labels claimed the same segment."""
+        self.shares = Shares(self.instances)
 
     @property
     def label_count(self) -> int:
@@ -53,7 +56,8 @@ class LabelFusion:
         than ``min_votes`` voxels gets none: it could not be known again.
         """
         owner = self._owners(class_of, instance_of)
-        label_of = assign_labels(votes, self.settings.min_votes, owner)
+        how = self.settings.association
+        label_of = assign_labels(votes, self.settings.min_votes, owner, how)
         for segment in np.flatnonzero(votes.total >= self.settings.min_votes).tolist():
             if segment and not label_of[segment]:
                 label_of[segment] = self._fresh_label()
@@ -87,7 +91,8 @@ class LabelFusion:
         """Merge labels that share segments in more than ``merge_min_frames`` frames.
 
         Unless ``merge_any_class``, two labels of decided, different groups of classes stay apart
-        whatever they share: a depth segment that spans a cup and its table is that frame's error.
+        whatever they share (a depth segment that spans a cup and its table is that frame's error),
+        and so do two of instances that were seen as two in as many frames.
         """
         for pair in overlapping_pairs(votes, self.settings.merge_overlap_ratio):
             a, b = sorted(int(self.canonical[label]) for label in pair)
@@ -101,8 +106,12 @@ class LabelFusion:
     def _may_merge(self, a: int, b: int) -> bool:
         if self.settings.merge_any_class:
             return True
-        group_a, group_b = (self.instances.group[self.decide(label)[0]] for label in (a, b))
-        return bool(group_a == group_b or not group_a or not group_b)
+        (class_a, instance_a), (class_b, instance_b) = self.decide(a), self.decide(b)
+        group_a, group_b = self.instances.group[class_a], self.instances.group[class_b]
+        if group_a and group_b and group_a != group_b:
+            return False
+        apart = self.instances.frames_apart(instance_a, instance_b)
+        return apart <= self.settings.merge_min_frames
 
     def _merge_labels(self, keep: int, gone: int) -> None:
         self.canonical[self.canonical == gone] = keep
@@ -110,12 +119,54 @@ class LabelFusion:
         for key, count in self.counts[gone].items():
             self.counts[keep][key] = self.counts[keep].get(key, 0) + count
         self.frames_seen[gone], self.counts[gone] = 0, {}
+        self.recount()
         moved: dict[tuple[int, int], int] = {}
         for pair, frames in self.pair_frames.items():
             a, b = sorted(keep if label == gone else label for label in pair)
             if a != b:
                 moved[a, b] = max(frames, moved.get((a, b), 0))
         self.pair_frames = moved
+
+    def compact(self) -> Int[np.ndarray, " labels"] | None:
+        """The new number of each label, merged ones as what they became; None if all stay.
+
+        From now on labels bear their new numbers, counted without gaps: those of merged labels
+        are given again. The voxels must be renamed.
+        """
+        return self._renumber(self.canonical == np.arange(self.label_count))
+
+    def forget(self, leading: Bool[np.ndarray, " labels"]) -> Int[np.ndarray, " labels"] | None:
+        """As `compact`, and labels that lead no voxel become 0.
+
+        Votes are of leading labels, so such a label can be given to no segment again. Segments
+        that are cut anew in every frame leave many behind.
+        """
+        kept = np.zeros(self.label_count, bool)
+        kept[self.canonical[leading]] = True
+        kept[0] = True
+        return self._renumber(kept)
+
+    def _renumber(self, keeps: Bool[np.ndarray, " labels"]) -> Int[np.ndarray, " labels"] | None:
+        """Number the labels that are kept without gaps; None if that is all of them."""
+        if keeps.all():
+            return None
+        new = np.where(keeps, np.cumsum(keeps) - 1, 0)[self.canonical]
+        kept = np.flatnonzero(keeps).tolist()
+        self.canonical = np.arange(len(kept))
+        self.frames_seen = [self.frames_seen[label] for label in kept]
+        self.counts = [self.counts[label] for label in kept]
+        # Numbers keep their order, so a pair stays a pair of a lower and a higher one.
+        self.pair_frames = {
+            (int(new[a]), int(new[b])): n
+            for (a, b), n in self.pair_frames.items()
+            if keeps[a] and keeps[b]
+        }
+        self.recount()
+        return new
+
+    def recount(self) -> None:
+        """Derive from the triplet counts what instances share, after they were rewritten."""
+        self.shares.recount(self.counts)
 
     def observe(
         self,
@@ -134,10 +185,13 @@ class LabelFusion:
             instance = global_of.get(_frame_instance(segment, class_of, instance_of), 0)
             for key in self._keys(class_id, instance):
                 self.counts[label][key] = self.counts[label].get(key, 0) + 1
+                self.shares.count(label, key[1])
             touched.add(instance)
         self.instances.count(touched)
         if self.settings.regulate:
-            self.instances.regulate(self.counts, touched)
+            while (pair := self.instances.one_thing(self.shares, touched)) is not None:
+                self.instances.merge(*pair, self.counts)
+                self.recount()
 
     def _keys(self, class_id: int, instance: int) -> list[tuple[int, int]]:
         if not class_id:
@@ -152,17 +206,14 @@ class LabelFusion:
             if key != (0, 0):
                 groups.setdefault(key, []).append(int(label_of[segment]))
         global_of = {key: self.instances.of_stuff(key[0]) for key in groups if key[1] == 0}
-        claims = []
-        for key, labels in sorted(groups.items()):
+        keys, claims = sorted(groups), {}
+        for row, key in enumerate(keys):
             if key[1]:
-                scores = self._instance_scores(key[0], labels)
-                claims += [(-count, key, instance) for instance, count in scores.items()]
-        taken: set[int] = set()
-        for _, key, instance in sorted(claims):
-            if key not in global_of and instance not in taken:
-                global_of[key] = instance
-                taken.add(instance)
-        for key in sorted(groups):
+                for instance, count in self._instance_scores(key[0], groups[key]).items():
+                    claims[row, instance] = count
+        for row, instance in one_to_one(claims, self.settings.association).items():
+            global_of[keys[row]] = instance
+        for key in keys:
             if key not in global_of:
                 global_of[key] = self.instances.fresh(key[0])
         return global_of

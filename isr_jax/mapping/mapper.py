@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-import functools
 from pathlib import Path
 
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Float, Int, Int8
 
-from ..classes import classes
 from ..config import MappingSettings
 from ..errors import MapError
-from ..geometry import invert_T
 from ..types import Camera, Frame, FrameSegments, PanopticSurface
-from . import checkpoint, fuse, label_slots, surface
+from . import checkpoint, frame_checks, free_space, fuse
 from .blocks import BlockIndex
+from .fusion_step import Fusion
+from .kept_frames import KeptFrames
 from .labels import LabelFusion
-from .pool import BLOCK_SIDE, BLOCK_VOXELS, MAX_SEGMENTS, empty_pool, grown_pool
-from .votes import count_votes
-
-_RELABEL_EVERY = 16
-"""Merged labels are rewritten in the voxels at most every so many frames."""
+from .pool import DEPTH_STEP_M, VoxelPool, empty_pool
+from .state import MapState, PosedFrame, ReadyFrame
+from .surface import SurfaceExtractor
 
 
 class PanopticMapper:
     """Fuses posed frames and their segments into one sparse panoptic voxel map (paper, sec. IV).
+
+    With ``frames_per_step`` frames wait for each other; whatever asks for the map fuses those that
+    wait first, so the map is the same, bit for bit, for any number of frames a step.
 
     Args:
         camera: The camera of every frame to come.
@@ -33,15 +32,16 @@ class PanopticMapper:
     """
 
     def __init__(self, camera: Camera, settings: MappingSettings | None = None) -> None:
+        frame_checks.check_camera(camera)
         self.camera = camera
         self.settings = settings or MappingSettings()
-        self.blocks = BlockIndex(self.settings.block_capacity, self.settings.max_blocks)
-        self.pool = empty_pool(self.blocks.capacity, self.settings.label_slots)
-        self.labels = LabelFusion(self.settings)
-        self.frames = 0
-        """Frames fused so far."""
-        self._hits = jnp.zeros((0, BLOCK_VOXELS), jnp.uint32)
-        self._rewritten = 0
+        self.state = MapState(self.settings)
+        pool = empty_pool(self.state.blocks.capacity, self.settings.label_slots)
+        self.fusion = Fusion(camera, self.scale, pool)
+        self.kept = KeptFrames(camera) if self.settings.keep_frames else None
+        """The frames so far, with the setting ``keep_frames``."""
+        self._waiting: list[ReadyFrame] = []
+        self._surface = SurfaceExtractor(self.settings)
 
     @property
     def scale(self) -> fuse.FusionScale:
@@ -54,114 +54,108 @@ class PanopticMapper:
             max_weight=s.max_weight,
         )
 
+    @property
+    def frames(self) -> int:
+        """Frames fused so far, those that wait for others included."""
+        return self.state.frames + len(self._waiting)
+
+    @property
+    def pool(self) -> VoxelPool:
+        """The voxels after all frames so far, in rows by `blocks`."""
+        self.finish()
+        return self.fusion.pool
+
+    @property
+    def blocks(self) -> BlockIndex:
+        """Which block lies in which row of `pool`."""
+        return self.state.blocks
+
+    @property
+    def labels(self) -> LabelFusion:
+        """What is known of the map's labels after all frames so far."""
+        self.finish()
+        return self.state.labels
+
+    @property
+    def step(self) -> int:
+        """Rises with every change of voxels, renaming included; see `BlockIndex.stamp`."""
+        return self.state.step
+
     def integrate(self, frame: Frame, segments: FrameSegments) -> None:
         """Fuse one frame: geometry and colour, then labels, classes and instances.
 
-        Raises `MapError` when the map outgrows ``max_blocks``; the frame is then not fused.
+        Raises:
+            FrameError: this frame cannot be fused; the map is as before and goes on with others.
+            MapError: the map outgrows ``max_blocks`` or the memory; the frame leaves no trace, and
+                the map so far can be used and saved.
         """
-        self._check(frame, segments)
-        depth_m, segment = _without_dynamic(frame.depth_m, segments)
-        T_camera_world = np.asarray(invert_T(frame.T_world_camera.astype(np.float64)), np.float32)
-        rows = self._activate(depth_m, frame.T_world_camera.astype(np.float32), T_camera_world)
-        slots, coords = self._padded(rows)
+        self._add(self.posed(frame, segments))
+
+    def posed(self, frame: Frame, segments: FrameSegments) -> PosedFrame:
+        """The frame checked and packed; raises `FrameError`."""
+        depth_m, segment = frame_checks.checked(frame, segments, self.camera)
         packed = fuse.pack_frame(depth_m, segment, frame.color)
-        hits = self._hits if len(self._hits) == len(slots) else _fresh_hits(len(slots))
-        count = np.int32(len(rows))
-        self.pool, self._hits = fuse.fuse_frame(
-            self.pool, hits, packed, T_camera_world, self.camera, self.scale, slots, coords, count
-        )
-        label_of = self._name(segments, len(rows))
-        table = jnp.asarray(_padded_table(label_of))
-        slot_labels = label_slots.count_labels(self.pool.labels, self._hits, table, slots, count)
-        self.pool = self._with_labels(slot_labels)
-        self.labels.observe(label_of, segments.class_id, segments.instance)
-        self.frames += 1
-        self._rewrite_merged()
+        farthest = int(np.rint(depth_m.max() / DEPTH_STEP_M))
+        # Copies: frames wait and are kept, and the caller may use the arrays again.
+        tables = frame.T_world_camera, segments.class_id, segments.instance
+        return PosedFrame(packed, farthest, *(table.copy() for table in tables))
 
-    def _check(self, frame: Frame, segments: FrameSegments) -> None:
-        shape = (self.camera.height, self.camera.width)
-        for name, image in (("depth", frame.depth_m), ("segments", segments.segment)):
-            if image.shape != shape:
-                raise MapError(
-                    f"frame {frame.name}: {name} of {image.shape} pixels, the camera has {shape}",
-                    "make all frames of a sequence one size",
-                )
-        if len(segments.class_id) > MAX_SEGMENTS:
+    def _add(self, frame: PosedFrame) -> None:
+        ready = self.state.ready(frame, self.camera, self.scale, self.fusion.reserve)
+        self.keep(frame)
+        self._waiting.append(ready)
+        if len(self._waiting) >= self.settings.frames_per_step:
+            self._fuse_waiting()
+
+    def keep(self, frame: PosedFrame) -> None:
+        """Keep a frame for `refuse`, if the setting says so."""
+        if self.kept is not None:
+            self.kept.append(frame)
+
+    def _fuse_waiting(self) -> None:
+        waiting, self._waiting = self._waiting, []
+        if waiting:
+            self.fusion.fuse([self.state], [waiting])
+
+    def finish(self) -> None:
+        """Fuse the frames that wait, and write today's label numbers into all voxels."""
+        self._fuse_waiting()
+        self.fusion.settle(self.state)
+
+    def refuse(self, poses: Float[np.ndarray, "frames 4 4"]) -> PanopticMapper:
+        """The map of the kept frames with corrected poses, as if they had come with these.
+
+        Args:
+            poses: T_world_camera of each fused frame, in their order.
+
+        Raises:
+            FrameError: one of them is no pose, or too far from the origin.
+            MapError: they are not as many as the frames, or no frames were kept.
+        """
+        if self.kept is None:
             raise MapError(
-                f"frame {frame.name} has {len(segments.class_id)} segments, at most {MAX_SEGMENTS}",
-                "raise SegmentationSettings.min_segment_px",
+                "this map has kept no frames to fuse again",
+                "map with MappingSettings.keep_frames = true",
             )
+        if np.shape(poses) != (len(self.kept), 4, 4):
+            raise MapError(
+                f"poses of shape {np.shape(poses)} for {len(self.kept)} kept frames",
+                "give one 4x4 T_world_camera for every frame that was fused",
+            )
+        for i, T_world_camera in enumerate(poses):
+            frame_checks.check_pose(T_world_camera, f"pose {i}")
+        other = PanopticMapper(self.camera, self.settings)
+        for frame in self.kept.replay(np.asarray(poses)):
+            other._add(frame)
+        return other
 
-    def _activate(self, depth_m, T_world_camera, T_camera_world) -> Int[np.ndarray, " active"]:
-        """Rows of the blocks that this frame updates, allocated where they are new."""
-        mark = functools.partial(self._mark, depth_m, T_world_camera)
-        marks, low, high = mark()
-        if np.all(low <= high) and not self.blocks.covers(low, high):
-            self.blocks.cover(low, high)
-            marks, _, _ = mark()
-        rows = self.blocks.allocate(self.blocks.marked(marks))
-        self._grow_pool()
-        if not self.settings.carve:
-            return rows
-        through = np.asarray(
-            fuse.seen_through(depth_m, T_camera_world, self.camera, self.scale, self.blocks.coords)
-        )
-        active = np.zeros(self.blocks.capacity, bool)
-        active[: self.blocks.used] = through[: self.blocks.used]
-        active[rows] = True
-        return np.flatnonzero(active).astype(np.int32)
+    def seen_empty(self, points: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
+        """Whether points of the world were seen to be free space."""
+        return self.observed(points) == free_space.EMPTY
 
-    def _mark(self, depth_m, T_world_camera):
-        block_m = BLOCK_SIDE * self.settings.voxel_size_m
-        far = max(float(depth_m.max()), 0.5)
-        stride = int(np.clip(block_m / 3 * self.camera.fx / far, 1, 4))
-        samples = int(np.ceil(4 * self.scale.truncation_m / block_m)) + 1
-        marks, low, high = fuse.mark_blocks(
-            depth_m,
-            T_world_camera,
-            self.camera,
-            self.scale,
-            self.blocks.origin,
-            self.blocks.extent,
-            stride=1 << (stride.bit_length() - 1),
-            samples=samples,
-            size=_bucket(self.blocks.grid.size),
-        )
-        return np.asarray(marks), np.asarray(low), np.asarray(high)
-
-    def _grow_pool(self) -> None:
-        if self.blocks.capacity > self.pool.capacity:
-            self.pool = grown_pool(self.pool, self.blocks.capacity)
-
-    def _padded(self, rows):
-        """Rows and block coordinates in a power-of-two bucket; padding lies out of range."""
-        size = max(_bucket(len(rows)), fuse.CHUNK_BLOCKS)
-        slots = self.blocks.capacity + np.arange(size, dtype=np.int32)
-        slots[: len(rows)] = rows
-        coords = np.zeros((size, 3), np.int32)
-        coords[: len(rows)] = self.blocks.coords[rows]
-        return slots, coords
-
-    def _name(self, segments: FrameSegments, active: int) -> Int[np.ndarray, " segments"]:
-        hits = np.asarray(self._hits)[:active]
-        votes = count_votes(hits, self.labels.canonical, len(segments.class_id))
-        return self.labels.name_segments(votes, segments.class_id, segments.instance)
-
-    def _with_labels(self, slot_labels):
-        return type(self.pool)(self.pool.sdf_m, self.pool.weight, self.pool.color, slot_labels)
-
-    def _rewrite_merged(self) -> None:
-        """Write merged labels into the voxels, now and then; votes resolve them meanwhile."""
-        merged = int(np.sum(self.labels.canonical != np.arange(self.labels.label_count)))
-        if self.frames % _RELABEL_EVERY or merged == self._rewritten:
-            return
-        size = _bucket(self.labels.label_count)
-        table = np.zeros(size, np.uint32)
-        table[: self.labels.label_count] = self.labels.canonical
-        self.pool = self._with_labels(
-            label_slots.relabel(self.pool.labels, table, np.int32(self.blocks.used))
-        )
-        self._rewritten = merged
+    def observed(self, points: Float[np.ndarray, "n 3"]) -> Int8[np.ndarray, " n"]:
+        """`free_space.UNKNOWN`, `EMPTY` or `SURFACE` at points of the world."""
+        return free_space.observed(self.pool, self.blocks, self.scale, points)
 
     def map_labels(self) -> tuple[Int[np.ndarray, " labels"], Int[np.ndarray, " labels"]]:
         """Class and instance of every map label, as decided so far; 0 = undecided."""
@@ -170,13 +164,7 @@ class PanopticMapper:
     def surface(self) -> PanopticSurface:
         """The map's surface: a mesh with an instance a vertex, and a class an instance."""
         class_of, instance_of = self.map_labels()
-        return surface.extract_surface(
-            self.pool,
-            self.blocks,
-            self.settings,
-            class_of,
-            instance_of,
-        )
+        return self._surface.update(self.pool, self.blocks, class_of, instance_of, self.step)
 
     def save(self, path: Path) -> None:
         """Write a checkpoint (npz). A map loaded from it goes on bit for bit."""
@@ -186,30 +174,3 @@ class PanopticMapper:
     def load(cls, path: Path) -> PanopticMapper:
         """The map of a checkpoint, with its camera and settings."""
         return checkpoint.load(cls, Path(path))
-
-
-def _without_dynamic(depth_m, segments: FrameSegments):
-    """Depth and segments without people and animals: they would leave ghosts in the map."""
-    dynamic = np.array([info.kind == "dynamic" for info in classes()])[segments.class_id]
-    segment = segments.segment.astype(np.int32)
-    depth_m = depth_m.astype(np.float32)
-    if dynamic.any():
-        hidden = dynamic[segment]
-        depth_m = np.where(hidden, np.float32(0), depth_m)
-        segment = np.where(hidden, 0, segment)
-    return depth_m, segment
-
-
-def _padded_table(label_of):
-    table = np.zeros(_bucket(len(label_of)), np.uint32)
-    table[: len(label_of)] = label_of
-    return table
-
-
-def _fresh_hits(blocks: int):
-    return jnp.zeros((blocks, BLOCK_VOXELS), jnp.uint32)
-
-
-def _bucket(count: int) -> int:
-    """The power of two that holds ``count``, at least 64."""
-    return max(64, 1 << max(count - 1, 0).bit_length())

@@ -6,11 +6,15 @@ pool grows by doubling, on the host, and never drops a block in silence.
 
 from __future__ import annotations
 
+import functools
+
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int, UInt32
 
+from ..errors import MapError
 from ..types import Array
 
 BLOCK_SIDE = 8
@@ -35,6 +39,17 @@ VOXEL_OFFSETS = np.stack(
     np.meshgrid(*[np.arange(BLOCK_SIDE, dtype=np.int32)] * 3, indexing="ij"), -1
 ).reshape(-1, 3)
 """[512, 3]: place of each voxel in its block; z runs fastest."""
+
+
+class OutOfMemory(MapError):
+    """A pool that could not grow; ``kept`` is the pool as it was."""
+
+    def __init__(self, kept: VoxelPool, rows: int) -> None:
+        super().__init__(
+            f"no memory for {rows} blocks of {BLOCK_VOXELS} voxels",
+            "lower MappingSettings.max_blocks to stop earlier, or raise voxel_size_m",
+        )
+        self.kept = kept
 
 
 class VoxelPool(eqx.Module):
@@ -64,16 +79,71 @@ def empty_pool(capacity: int, label_slots: int) -> VoxelPool:
     return VoxelPool(zeros(jnp.float32), zeros(jnp.float32), zeros(jnp.uint32), slots)
 
 
-def grown_pool(pool: VoxelPool, capacity: int) -> VoxelPool:
-    """The same blocks in a larger pool."""
+def with_labels(pool: VoxelPool, labels: tuple[UInt32[Array, "capacity 512"], ...]) -> VoxelPool:
+    """The pool with other label slots."""
+    return VoxelPool(pool.sdf_m, pool.weight, pool.color, labels)
 
-    def grow(field):
-        tail = jnp.zeros((capacity - field.shape[0], BLOCK_VOXELS), field.dtype)
-        return jnp.concatenate([field, tail])
 
-    return VoxelPool(
-        grow(pool.sdf_m), grow(pool.weight), grow(pool.color), tuple(grow(s) for s in pool.labels)
-    )
+def grown_pool(pool: VoxelPool, capacity: int, parts: int = 1) -> VoxelPool:
+    """The same blocks in a pool with room for ``capacity``; it takes the storage of ``pool``.
+
+    One field after the other, each freed before the next is copied, so the peak is the new pool
+    and one old field.
+
+    Args:
+        parts: Equal parts of the pool that each get ``capacity`` rows (maps of a stacked pool).
+
+    Raises:
+        OutOfMemory: ``kept`` holds the pool as it was.
+    """
+    before = pool.capacity // parts
+    fields, tree = jax.tree.flatten(pool)
+    for i, field in enumerate(fields):
+        try:
+            fields[i] = jax.block_until_ready(_resized(field, parts, capacity))
+        except (MemoryError, jax.errors.JaxRuntimeError) as error:
+            fields[:i] = [_resized(grown, parts, before) for grown in fields[:i]]
+            kept = jax.tree.unflatten(tree, fields)
+            raise OutOfMemory(kept, parts * capacity) from error
+        field.delete()
+    return jax.tree.unflatten(tree, fields)
+
+
+@functools.partial(jax.jit, static_argnames=("parts", "capacity"))
+def _resized(field, parts, capacity):
+    """Parts of a field with ``capacity`` rows each: empty ones added, or the last ones cut off."""
+    rows = field.reshape(parts, -1, BLOCK_VOXELS)[:, :capacity]
+    tail = ((0, 0), (0, capacity - rows.shape[1]), (0, 0))
+    return jnp.pad(rows, tail).reshape(-1, BLOCK_VOXELS)
+
+
+def sdf_m(pool: VoxelPool, rows: Int[Array, "*batch"]) -> Float[Array, "*batch 512"]:
+    """Truncated signed distances of blocks, metres; 0 where a row is out of range."""
+    return _rows_of(pool.sdf_m, rows)
+
+
+def weight(pool: VoxelPool, rows: Int[Array, "*batch"]) -> Float[Array, "*batch 512"]:
+    """Weights of blocks, 0 = never seen; 0 where a row is out of range."""
+    return _rows_of(pool.weight, rows)
+
+
+def color(pool: VoxelPool, rows: Int[Array, "*batch"]) -> UInt32[Array, "*batch 512"]:
+    """Colours of blocks, 10 bits a channel (see `unpack_color`); 0 = none."""
+    return _rows_of(pool.color, rows)
+
+
+def leading_label(
+    pool: VoxelPool, rows: Int[Array, "*batch"]
+) -> tuple[Int[Array, "*batch 512"], Int[Array, "*batch 512"]]:
+    """The label that each voxel of blocks has counted most, and its count; 0 where none."""
+    slot = _rows_of(pool.labels[0], rows)
+    return leading_labels(slot), (slot >> LABEL_BITS).astype(np.int32)
+
+
+def _rows_of(field, rows):
+    """Rows of a field; zeros where a row is out of range, negative ones too."""
+    rows = jnp.where(jnp.asarray(rows) < 0, field.shape[0], rows)
+    return jnp.take(field, rows, axis=0, mode="fill", fill_value=0)
 
 
 def unpack_color(color: UInt32[Array, "*batch"]) -> Float[Array, "*batch 3"]:

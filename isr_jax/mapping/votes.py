@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 from jaxtyping import Int, UInt32
 
+from .association import one_to_one
 from .pool import LABEL_BITS, LABEL_MASK
 
 
@@ -23,11 +24,21 @@ class Votes:
 
 
 def count_votes(
-    hits: UInt32[np.ndarray, "blocks 512"], canonical: Int[np.ndarray, " labels"], segments: int
+    ballots: UInt32[np.ndarray, "*ballots"],
+    canonical: Int[np.ndarray, " labels"],
+    segments: int,
+    often: Int[np.ndarray, " ballots"] | None = None,
 ) -> Votes:
-    """Tally `fuse.fuse_frame`'s hits; merged labels vote for the label they became."""
-    flat = hits.reshape(-1)
-    flat = flat[(flat & LABEL_MASK) != LABEL_MASK]
+    """Tally ballots (`ballots.cast_votes`); merged labels vote for the label they became.
+
+    Args:
+        ballots: ``segment << LABEL_BITS | label``; `LABEL_MASK` for a label is no vote.
+        often: How often each ballot was cast; once, if not given.
+    """
+    flat = ballots.reshape(-1)
+    cast = (flat & LABEL_MASK) != LABEL_MASK
+    flat = flat[cast]
+    weights = None if often is None else often[cast]
     segment = (flat >> LABEL_BITS).astype(np.intp)
     label = canonical[flat & LABEL_MASK]
     present = np.zeros(len(canonical), bool)
@@ -36,8 +47,8 @@ def count_votes(
     place = np.zeros(len(canonical), np.intp)
     place[found] = np.arange(len(found))
     width = max(len(found), 1)
-    table = np.bincount(segment * width + place[label], minlength=segments * width)
-    table = table.reshape(segments, width)
+    table = np.bincount(segment * width + place[label], weights, minlength=segments * width)
+    table = table.astype(np.int64).reshape(segments, width)
     total = table.sum(1)
     columns = np.flatnonzero(found > 0)
     rows, kept = np.nonzero(table[:, columns])
@@ -45,22 +56,27 @@ def count_votes(
 
 
 def assign_labels(
-    votes: Votes, min_votes: int, owner: Int[np.ndarray, " segments"]
+    votes: Votes, min_votes: int, owner: Int[np.ndarray, " segments"], how: str = "greedy"
 ) -> Int[np.ndarray, " segments"]:
     """The map label of each segment; 0 where no label has ``min_votes`` left to give.
 
-    Greedy from the largest count, each label to one owner; ties go to the lower segment, then to
-    the lower label. Owners are segments, or the instances that segments belong to.
+    Each label goes to one owner: a segment, or the instance that segments belong to.
+
+    Args:
+        how: ``greedy`` goes down from the largest count, ties to the lower segment, then to the
+            lower label. ``optimal`` maximises the votes of a one-to-one assignment; segments that
+            it leaves without a label then take, greedily, what is free or their owner's.
     """
+    enough = (votes.count >= min_votes) & (votes.segment > 0)
+    pairs = list(zip(votes.segment[enough].tolist(), votes.label[enough].tolist(), strict=True))
+    counts = dict(zip(pairs, votes.count[enough].tolist(), strict=True))
+    chosen = one_to_one(counts, how) if how == "optimal" else {}
+    taken = {label: int(owner[segment]) for segment, label in chosen.items()}
+    for segment, label in sorted(counts, key=lambda pair: (-counts[pair], pair)):
+        if segment not in chosen and taken.setdefault(label, int(owner[segment])) == owner[segment]:
+            chosen[segment] = label
     label_of = np.zeros(len(votes.total), np.int64)
-    taken: dict[int, int] = {}
-    for i in np.lexsort((votes.label, votes.segment, -votes.count)):
-        segment, label = int(votes.segment[i]), int(votes.label[i])
-        if votes.count[i] < min_votes:
-            break
-        free = segment > 0 and not label_of[segment]
-        if free and taken.setdefault(label, int(owner[segment])) == owner[segment]:
-            label_of[segment] = label
+    label_of[list(chosen)] = list(chosen.values())
     return label_of
 
 

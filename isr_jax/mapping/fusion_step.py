@@ -1,0 +1,222 @@
+"""One step of one or more maps: the kernels in turn, and the lists of blocks they work on.
+
+Geometry and colour of all frames of the step come first, in one call. Labels follow frame by
+frame, since a frame's segments are named by the labels that the frames before it left.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Int
+
+from ..types import Camera
+from . import ballots, fuse, label_slots
+from .fuse import CHUNK_BLOCKS
+from .pool import BLOCK_VOXELS, OutOfMemory, VoxelPool, grown_pool, with_labels
+from .state import MapState, ReadyFrame
+from .votes import Votes, count_votes
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Chunks:
+    """Rows of several maps, each map's filled up to whole chunks."""
+
+    rows: Int[np.ndarray, " blocks"]
+    """Padding lies out of range, each entry once."""
+    owner: Int[np.ndarray, " chunks"]
+    spans: list[slice]
+    """Where each map's own rows stand."""
+    chunks: Int[np.ndarray, ""]
+
+
+def _chunked(parts: list[np.ndarray], out_of_range: int) -> _Chunks:
+    """Lists of rows, one a map, in a power of two of chunks."""
+    counts = [-(-len(part) // CHUNK_BLOCKS) for part in parts]
+    total = sum(counts)
+    size = 1 << max(total - 1, 0).bit_length()
+    rows = out_of_range + np.arange(size * CHUNK_BLOCKS, dtype=np.int32)
+    owner = np.zeros(size, np.int32)
+    owner[:total] = np.repeat(np.arange(len(parts)), counts)
+    starts = (np.cumsum([0, *counts[:-1]]) * CHUNK_BLOCKS).tolist()
+    spans = [slice(s, s + len(part)) for s, part in zip(starts, parts, strict=True)]
+    for span, part in zip(spans, parts, strict=True):
+        rows[span] = part
+    return _Chunks(rows, owner, spans, np.array(total, np.int32))
+
+
+class Fusion:
+    """Owns the voxels of one or more maps, and fuses ready frames into them.
+
+    Args:
+        pool: Voxels of the maps, one map's rows after the other's.
+        parts: Number of maps.
+    """
+
+    def __init__(
+        self, camera: Camera, scale: fuse.FusionScale, pool: VoxelPool, parts: int = 1
+    ) -> None:
+        self.camera, self.scale, self.pool, self.parts = camera, scale, pool, parts
+        self._hits = fuse.fresh_hits(1, 0)
+        self._ballots = jnp.zeros((0, BLOCK_VOXELS), jnp.uint32)
+
+    @property
+    def capacity(self) -> int:
+        """Rows of a map."""
+        return self.pool.capacity // self.parts
+
+    def reserve(self, capacity: int) -> None:
+        """Room for ``capacity`` rows a map; raises `OutOfMemory`, the maps as they were."""
+        if capacity <= self.capacity:
+            return
+        try:
+            self.pool = grown_pool(self.pool, capacity, self.parts)
+        except OutOfMemory as error:
+            self.pool = error.kept
+            raise
+
+    def fuse(self, states: list[MapState], frames: list[list[ReadyFrame]]) -> None:
+        """Fuse the frames of each map, equally many, and name their segments."""
+        chunks, flags = self._geometry(states, frames)
+        for k in range(len(frames[0])):
+            self._label(states, [of_map[k] for of_map in frames], chunks, k, flags[k])
+        for state in states:
+            if state.renaming.is_long:
+                self.settle(state)
+
+    def settle(self, state: MapState) -> None:
+        """Write today's label numbers into all voxels of a map."""
+        if state.renaming.pending:
+            state.step += 1
+            self.pool = state.renaming.settle(self.pool, state)
+
+    def _forget_labels(self, state: MapState) -> None:
+        """Free the numbers of labels that no voxel bears first."""
+        self.settle(state)
+        rows = np.array([state.first_row, state.blocks.used], np.int32)
+        size = 1 << (state.labels.label_count - 1).bit_length()
+        leads = np.asarray(label_slots.leading_somewhere(self.pool.labels[0], rows, size))
+        new_label = state.labels.forget(leads[: state.labels.label_count])
+        if new_label is not None:
+            state.renaming.rename(new_label)
+
+    def _geometry(self, states: list[MapState], frames: list[list[ReadyFrame]]):
+        """All frames into the union of their blocks; flags a frame and block of the union."""
+        count = len(frames[0])
+        unions = [_union([frame.rows for frame in of_map]) for of_map in frames]
+        parts = [rows + state.first_row for (rows, _), state in zip(unions, states, strict=True)]
+        chunks = _chunked(parts, self.pool.capacity)
+        base_m = np.zeros((count, 3, len(chunks.rows)), np.float32)
+        active = np.zeros((count, len(chunks.rows)), bool)
+        local_m = np.zeros((len(states), count, 3, BLOCK_VOXELS), np.float32)
+        for i, (state, of_map, span) in enumerate(zip(states, frames, chunks.spans, strict=True)):
+            rows, touched = unions[i]
+            active[:, span] = touched
+            for k, frame in enumerate(of_map):
+                T, voxel_m = frame.T_camera_world, self.scale.voxel_m
+                base_m[k, :, span] = fuse.voxel_corners(T, state.blocks.coords[rows], voxel_m)
+                local_m[i, k] = fuse.voxel_places(T, voxel_m)
+        images = [frame.packed for of_map in frames for frame in of_map]
+        packed = images[0] if len(images) == 1 else fuse.join_frames(images)
+        work = fuse.ChunkedBlocks(chunks.rows, base_m, active, chunks.owner, chunks.chunks)
+        if self._hits.shape[:2] != active.shape:
+            self._hits = fuse.fresh_hits(*active.shape)
+        self.pool, self._hits, flags = fuse.fuse_frames(
+            self.pool, self._hits, packed, work, local_m, self.camera, self.scale
+        )
+        return chunks, np.asarray(flags)
+
+    def _label(self, states, frames, chunks: _Chunks, k: int, flags) -> None:
+        """Votes of frame ``k`` of each map, names of its segments, counts of its voxels."""
+        labelled = (flags & (fuse.VOTES | fuse.SEGMENT_MASK)) > 0
+        for state, span in zip(states, chunks.spans, strict=True):
+            rows = chunks.rows[span] - state.first_row
+            state.step += 1
+            state.blocks.stamp[rows[(flags[span] & fuse.CHANGED) > 0]] = state.step
+            self.pool = state.renaming.freshen(self.pool, state, rows[labelled[span]])
+        votes = self._votes(states, frames, chunks, k, (flags & fuse.VOTES) > 0)
+        label_of = [
+            state.labels.name_segments(found, frame.class_id, frame.instance)
+            for state, frame, found in zip(states, frames, votes, strict=True)
+        ]
+        self._count(chunks, k, (flags & fuse.SEGMENT_MASK) > 0, label_of)
+        for state, frame, names in zip(states, frames, label_of, strict=True):
+            state.observe(names, frame)
+            if state.is_crowded:
+                self._forget_labels(state)
+
+    def _votes(self, states, frames, chunks: _Chunks, k: int, votes) -> list[Votes]:
+        places, some = _some_of(chunks, votes, self.pool.capacity)
+        if len(self._ballots) != len(some.rows):
+            self._ballots = jnp.zeros((len(some.rows), BLOCK_VOXELS), jnp.uint32)
+        leading = self.pool.labels[0]
+        self._ballots, *layers = ballots.cast_votes(
+            leading,
+            self._hits,
+            np.array(k, np.int32),
+            some.rows,
+            places,
+            some.chunks,
+            self._ballots,
+        )
+        cast = [np.asarray(table) for table in (self._ballots, *layers)]
+        found = []
+        for state, frame, span in zip(states, frames, some.spans, strict=True):
+            ballot, often = ballots.counted(*(table[span] for table in cast))
+            segments = len(frame.class_id)
+            found.append(count_votes(ballot, state.labels.canonical, segments, often))
+        return found
+
+    def _count(self, chunks: _Chunks, k: int, labelled, label_of) -> None:
+        """Blocks that need the first slots alone, then the others."""
+        total = sum(len(names) for names in label_of)
+        table = np.zeros(max(64, 1 << max(total - 1, 0).bit_length()), np.uint32)
+        table[:total] = np.concatenate(label_of)
+        first = np.cumsum([0, *(len(names) for names in label_of[:-1])]).astype(np.int32)
+        places, some = _some_of(chunks, labelled, self.pool.capacity)
+        leading, *others = self.pool.labels
+        leading, left = label_slots.count_leading_labels(
+            leading,
+            self._hits,
+            np.array(k, np.int32),
+            some.rows,
+            places,
+            first[some.owner],
+            table,
+            some.chunks,
+        )
+        self.pool = with_labels(self.pool, (leading, *others))
+        among, rest = _some_of(some, np.asarray(left), self.pool.capacity)
+        slots = label_slots.count_labels(
+            self.pool.labels,
+            self._hits,
+            np.array(k, np.int32),
+            rest.rows,
+            places[among],
+            first[rest.owner],
+            table,
+            rest.chunks,
+        )
+        self.pool = with_labels(self.pool, slots)
+
+
+def _union(rows: list[np.ndarray]):
+    """Rows that any frame touches, and which frame touches which."""
+    if len(rows) == 1:
+        return rows[0], np.ones((1, len(rows[0])), bool)
+    union, inverse = np.unique(np.concatenate(rows), return_inverse=True)
+    touched = np.zeros((len(rows), len(union)), bool)
+    touched[np.repeat(np.arange(len(rows)), [len(r) for r in rows]), inverse] = True
+    return union, touched
+
+
+def _some_of(chunks: _Chunks, keep, capacity: int) -> tuple[np.ndarray, _Chunks]:
+    """The rows that are kept, in chunks of their own, and their places among all."""
+    places = [span.start + np.flatnonzero(keep[span]) for span in chunks.spans]
+    some = _chunked([chunks.rows[p] for p in places], capacity)
+    padded = np.zeros(len(some.rows), np.int32)
+    for span, place in zip(some.spans, places, strict=True):
+        padded[span] = place
+    return padded, some

@@ -1,0 +1,85 @@
+"""Map labels get new numbers without walking the whole map.
+
+A renaming makes a new generation of numbers. Blocks keep the generation in which their labels are
+written, and are rewritten when a frame next labels them, or all at once before the map is read.
+So the time a frame does not grow with the map, and a number that went free may be given again.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Int
+
+from . import label_slots
+from .pool import ROW_MULTIPLE, VoxelPool, with_labels
+
+if TYPE_CHECKING:
+    from .state import MapState
+
+_MOST_GENERATIONS = 64
+"""So many pending renamings are written out; they would be slow to compose."""
+
+
+class Renaming:
+    """Generations of label numbers: from each that some block may bear to today's."""
+
+    def __init__(self) -> None:
+        self.generation = 0
+        self._to_now: dict[int, Int[np.ndarray, " labels"]] = {}
+
+    @property
+    def pending(self) -> int:
+        """Generations before today's that blocks may bear."""
+        return len(self._to_now)
+
+    @property
+    def is_long(self) -> bool:
+        """Whether it is time to write all blocks."""
+        return self.pending >= _MOST_GENERATIONS
+
+    def rename(self, new_label: Int[np.ndarray, " labels"]) -> None:
+        """From now on label ``i`` is ``new_label[i]``."""
+        self._to_now = {g: new_label[table] for g, table in self._to_now.items()}
+        self._to_now[self.generation] = np.asarray(new_label)
+        self.generation += 1
+
+    def freshen(
+        self, pool: VoxelPool, state: MapState, rows: Int[np.ndarray, " blocks"]
+    ) -> VoxelPool:
+        """Today's labels in these rows of a map; takes the storage of ``pool``."""
+        if not self._to_now:
+            return pool
+        of_row = state.blocks.generation[rows]
+        stale = rows[of_row < self.generation]
+        if not len(stale):
+            return pool
+        generations = sorted(self._to_now)
+        tables = _padded_tables([self._to_now[g] for g in generations])
+        size = max(ROW_MULTIPLE, 1 << (len(stale) - 1).bit_length())
+        padded = pool.capacity + np.arange(size, dtype=np.int32)
+        padded[: len(stale)] = stale + state.first_row
+        table_of = np.zeros(size, np.int32)
+        table_of[: len(stale)] = np.searchsorted(generations, state.blocks.generation[stale])
+        labels, changed = label_slots.relabel(
+            pool.labels, tables, padded, table_of, np.int32(len(stale))
+        )
+        state.blocks.generation[stale] = self.generation
+        state.blocks.stamp[stale[np.asarray(changed)[: len(stale)]]] = state.step
+        return with_labels(pool, labels)
+
+    def settle(self, pool: VoxelPool, state: MapState) -> VoxelPool:
+        """Today's labels in all rows of a map; takes the storage of ``pool``."""
+        pool = self.freshen(pool, state, np.arange(state.blocks.used, dtype=np.int32))
+        self._to_now = {}
+        return pool
+
+
+def _padded_tables(tables: list[np.ndarray]) -> np.ndarray:
+    """Tables of equal, bucketed sizes, so that few shapes are compiled."""
+    width = max(64, 1 << (max(len(t) for t in tables) - 1).bit_length())
+    padded = np.zeros((1 << (len(tables) - 1).bit_length(), width), np.uint32)
+    for row, table in zip(padded, tables):
+        row[: len(table)] = table
+    return padded
