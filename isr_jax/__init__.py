@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from .demonstration import demo, film_room
     from .errors import IsrError
     from .evaluation import evaluate
+    from .live import LiveMap
+    from .map_making import make_map
     from .pipeline import Scene, furnish, reconstruct, run
     from .scene_file import read_scene
     from .segmentation import open_segmenter
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 
 _HOME = {
     "IsrError": "errors",
+    "LiveMap": "live",
     "Scene": "pipeline",
     "Settings": "config",
     "align": "alignment",
@@ -45,6 +48,7 @@ _HOME = {
     "furnish": "pipeline",
     "inspect_sequence": "datasets",
     "load_library": "cad",
+    "make_map": "map_making",
     "open_library": "cad",
     "open_segmenter": "segmentation",
     "open_sequence": "datasets",
@@ -70,6 +74,7 @@ def __dir__() -> list[str]:
 
 __all__ = [
     "IsrError",
+    "LiveMap",
     "Scene",
     "Settings",
     "align",
@@ -83,6 +88,7 @@ __all__ = [
     "furnish",
     "inspect_sequence",
     "load_library",
+    "make_map",
     "open_library",
     "open_segmenter",
     "open_sequence",

@@ -11,6 +11,7 @@ import tyro
 from rich.console import Console
 
 from .cli_cad import cad
+from .cli_classes import classes
 from .compile_cache import enable_compilation_cache
 from .config import Settings, preset, settings_from_toml, with_overrides
 from .console import ConsoleReporter
@@ -118,6 +119,53 @@ def run(
         )
     for table in run_tables(result):
         console.print(table)
+
+
+@app.command(name="map")
+def map_(
+    sequence: Positional[Path],
+    out: Path,
+    segmenter: str = "masks",
+    start: int = 0,
+    continue_from: Annotated[
+        Path | None, tyro.conf.arg(metavar="FILE", help_behavior_hint="")
+    ] = None,
+    options: Options = SettingsOptions(),
+) -> None:
+    """Fuse a posed RGB-D sequence into a panoptic map: meshes with classes and instances.
+
+    Example: isr map captures/kitchen --segmenter yolox.onnx+deeplab.onnx --out out/kitchen
+
+    Writes into OUT/map: panoptic.ply (colour, normal, instance and class a vertex), panoptic.glb (a
+    node an instance), instances/chair_1.ply and .glb and so on, instances.json (what each is), and
+    map.npz, to which `isr map MORE_FRAMES --continue-from out/kitchen/map/map.npz` adds frames.
+
+    Args:
+        sequence: Folder with the frames (7-Scenes, TUM RGB-D, SceneNN, ScanNet, or rgb/ depth/
+            poses/).
+        out: Folder for the results.
+        segmenter: ONNX models (a.onnx+b.onnx), masks (a folder with panoptic.json), or
+            simulated:LEVEL for rendered rooms.
+        start: First frame; input.stride and input.max_frames count from it.
+        continue_from: A map.npz that goes on. Its camera must be this sequence's, the poses of
+            both must be in one frame, and its mapping settings hold.
+        options: Settings.
+    """
+    from .map_making import make_map
+
+    console = Console()
+    with ConsoleReporter(console) as reporter:
+        made = make_map(
+            sequence,
+            out,
+            segmenter=segmenter,
+            settings=options.resolve(),
+            start=start,
+            continue_from=continue_from,
+            reporter=reporter,
+        )
+    console.print(made.table())
+    console.print(f"{made.live.frames} frames, {len(made.skipped)} skipped: {made.folder}")
 
 
 @app.command
@@ -260,6 +308,7 @@ def view(result: Positional[Path], port: int = 8080) -> None:
 
 
 app.command(cad)
+app.command(classes)
 
 
 def main() -> None:

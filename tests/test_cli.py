@@ -11,7 +11,7 @@ from isr_jax import cli
 
 from .conftest import REPOSITORY
 
-COMMANDS = ["demo", "run", "synth", "inspect", "settle", "eval", "view", "cad"]
+COMMANDS = ["demo", "run", "map", "synth", "inspect", "settle", "eval", "view", "cad", "classes"]
 
 
 @pytest.fixture
@@ -40,6 +40,7 @@ def test_help_lists_every_command_with_an_example(isr):
     [
         (("run", "/nowhere", "--out", "{out}"), "/nowhere"),
         (("run", "{out}", "--out", "{out}/o", "--preset", "best"), "default, paper, voxblox++"),
+        (("map", "/nowhere", "--out", "{out}/o"), "/nowhere"),
         (("settle", "{out}/scene.xml"), "scene.xml"),
         (("eval", "{out}", "{out}"), "scene.json"),
         (("view", "{out}"), "scene.json"),
