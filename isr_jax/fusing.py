@@ -1,15 +1,28 @@
-"""A sequence becomes one panoptic map: frames are read, segmented, fused; bad ones skipped."""
+"""A sequence becomes one panoptic map: frames are read, segmented, fused; bad ones skipped.
+
+While the mapper fuses a frame in the caller's thread, another thread finds the masks and segments
+of the next ones, and others decode those after it. Each frame's segments depend on that frame
+alone and the mapper takes them in order, so the map is bit for bit that of one thread.
+"""
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Generator
+from contextlib import closing
+from typing import Any
+
 from . import datasets, mapping, segmentation
 from .config import Settings
-from .errors import FrameError, SegmenterError, SequenceError
+from .errors import FrameError, MapError, SegmenterError, SequenceError
 from .stage_runner import StageRunner
 from .types import Frame, FrameSegments, MappingResult, Sequence
+from .working_ahead import map_ahead
 
 _TRIED_FRAMES = 5
 """Of the frames that must be good, about so many are tried; the first with masks is enough."""
+_AHEAD = 2
+"""Frames segmented before the mapper asks for them."""
 
 
 def fuse(
@@ -23,19 +36,26 @@ def fuse(
     mapper, start, skipped = _resume(sequence, settings, runner)
     if start == 0:
         _try_segmenter(sequence, segmenter, indices, settings)
-    for done, (_, frame) in enumerate(datasets.prefetch(sequence, indices[start:]), start + 1):
-        try:
-            if isinstance(frame, FrameError):
-                raise frame
-            mapper.integrate(frame, _segment(frame, segmenter, settings))
-        except FrameError as error:
-            skipped.append(error.problem)
-            runner.reporter.note(f"frame skipped: {error.problem}")
-            _refuse_too_many(skipped, len(indices), settings, error)
-        every = settings.mapping.checkpoint_every
-        if every and done % every == 0 and done < len(indices):
-            runner.checkpoint("mapping", mapper.save, {"done": done, "skipped": skipped})
-        runner.reporter.progress("mapping", done, len(indices))
+    with closing(segmented_frames(sequence, indices[start:], segmenter, settings)) as ready:
+        for done, frame in enumerate(ready, start + 1):
+            try:
+                if isinstance(frame, FrameError):
+                    raise frame
+                mapper.integrate(*frame)
+            except FrameError as error:
+                skipped.append(error.problem)
+                runner.reporter.note(f"frame skipped: {error.problem}")
+                _refuse_too_many(skipped, len(indices), settings, error)
+            except MapError as error:
+                state = {"done": done - 1, "skipped": skipped}
+                raise _with_map_so_far(error, mapper, runner, state) from error
+            else:
+                if not frame[0].depth_m.any():
+                    runner.reporter.note(f"frame {frame[0].name} has no depth: nothing to fuse")
+            every = settings.mapping.checkpoint_every
+            if every and done % every == 0 and done < len(indices):
+                runner.checkpoint("mapping", mapper.save, {"done": done, "skipped": skipped})
+            runner.reporter.progress("mapping", done, len(indices))
     used = len(indices) - len(skipped)
     return MappingResult(mapper.surface(), used, tuple(skipped))
 
@@ -60,8 +80,30 @@ def _try_segmenter(
         raise SegmenterError(f"no sampled frame has masks: {failed.problem}", failed.hint)
 
 
-def _segment(frame: Frame, segmenter: segmentation.Segmenter, settings: Settings) -> FrameSegments:
-    return segmentation.segment_frame(frame, segmenter(frame), settings.segmentation)
+def segmented_frames(
+    sequence: Sequence,
+    indices: list[int],
+    segmenter: segmentation.Segmenter,
+    settings: Settings,
+) -> Generator[tuple[Frame, FrameSegments] | FrameError, None, None]:
+    """Frames and their segments in order, made ahead; one that cannot be used as its error.
+
+    The segmenter is called in one thread, which is not the caller's.
+    """
+    frames = (frame for _, frame in datasets.prefetch(sequence, indices))
+    segment = functools.partial(_segmented, segmenter=segmenter, settings=settings)
+    return map_ahead(segment, frames, workers=1, ahead=_AHEAD, name="segment")
+
+
+def _segmented(
+    frame: Frame | FrameError, segmenter: segmentation.Segmenter, settings: Settings
+) -> tuple[Frame, FrameSegments] | FrameError:
+    if isinstance(frame, FrameError):
+        return frame
+    try:
+        return frame, segmentation.segment_frame(frame, segmenter(frame), settings.segmentation)
+    except FrameError as error:
+        return error
 
 
 def _frame_indices(sequence: Sequence, settings: Settings) -> list[int]:
@@ -82,10 +124,18 @@ def _resume(
     return mapper, state["done"], list(state["skipped"])
 
 
+def _with_map_so_far(
+    error: MapError, mapper: mapping.PanopticMapper, runner: StageRunner, state: dict[str, Any]
+) -> MapError:
+    """The error, its map kept as a checkpoint that it names, if results are kept at all."""
+    path = runner.checkpoint("mapping", mapper.save, state)
+    kept = f"; the map of {mapper.frames} frames is kept in {path}" if path else ""
+    return MapError(error.problem, error.hint + kept)
+
+
 def _refuse_too_many(skipped: list[str], total: int, settings: Settings, last: FrameError) -> None:
     if len(skipped) > settings.input.max_bad_fraction * total:
         raise SequenceError(
             f"{len(skipped)} of {total} frames cannot be read; the last: {last.problem}",
-            "mend the sequence (`isr inspect` lists what is wrong), "
-            "or raise input.max_bad_fraction",
+            f"{last.hint}; `isr inspect` lists what is wrong; or raise input.max_bad_fraction",
         )

@@ -258,12 +258,14 @@ def push(
 def joint_travel(model: mujoco.MjModel, joint: str, patience_s: float = 4.0) -> JointTravel:
     """Push a joint to its lower, then to its upper end; how far it got.
 
-    The generalized force first overcomes the joint's friction, then follows a damped spring
+    The generalized force first overcomes the joint's friction and weight, then follows a damped spring
     towards a point beyond the end, for so long at most: a blocked joint shows a range not reached.
+    A joint without ends is turned half round both ways.
     """
     info = model.joint(joint)
     data = _at_start(model)
-    low, high = (float(v) for v in info.range)
+    has_ends = bool(model.jnt_limited[info.id])
+    low, high = (float(v) for v in info.range) if has_ends else (-np.pi, np.pi)
     reached = []
     for end, sign in ((low, -1.0), (high, 1.0)):
         _drive(model, data, info, end, sign * 0.1 * (high - low), patience_s)
@@ -284,6 +286,7 @@ def _drive(model, data, info, end: float, beyond: float, patience_s: float) -> N
         if (position - end) * beyond >= 0:
             break
         force = rate * (rate * (end + beyond - position) - 2 * speed)
-        data.qfrc_applied[dof] = mass * force + np.sign(beyond) * 1.2 * friction + damping * speed
+        push = mass * force + np.sign(beyond) * 1.2 * friction + damping * speed
+        data.qfrc_applied[dof] = push + data.qfrc_bias[dof]
         mujoco.mj_step(model, data)
     data.qfrc_applied[dof] = 0

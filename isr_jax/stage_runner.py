@@ -94,14 +94,18 @@ class StageRunner:
             )
         return stored
 
-    def checkpoint(self, stage: str, save: Callable[[Path], None], state: dict[str, Any]) -> None:
+    def checkpoint(
+        self, stage: str, save: Callable[[Path], None], state: dict[str, Any]
+    ) -> Path | None:
         """Keep an unfinished stage: ``save`` writes the file, ``state`` is small and plain.
+
+        Returns the file; None where results are kept nowhere.
 
         The state names its file and replaces the older state in one step, so that a run killed in
         between leaves the older checkpoint whole.
         """
         if self._store is None or self._key is None:
-            return
+            return None
         path = self._store.root / f"{stage}.checkpoint-{state['done']}.npz"
         save(path)
         fresh = self._state_path(stage).with_suffix(".new")
@@ -111,6 +115,7 @@ class StageRunner:
         for old in self._store.root.glob(f"{stage}.checkpoint-*.npz"):
             if old != path:
                 old.unlink()
+        return path
 
     def resume(self, stage: str) -> tuple[Path, dict[str, Any]] | None:
         """The checkpoint of this very stage, settings and inputs, or None."""

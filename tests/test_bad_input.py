@@ -74,6 +74,14 @@ def poses_are_no_rotations(sequence: Path) -> None:
     rewrite_poses(sequence, lambda T: np.diag([2.0, 2.0, 2.0, 1.0]) @ T)
 
 
+def cameras_on_another_continent(sequence: Path) -> None:
+    def moved(T: np.ndarray) -> np.ndarray:
+        T[0, 3] += 4e6
+        return T
+
+    rewrite_poses(sequence, moved)
+
+
 def no_frames(sequence: Path) -> None:
     for folder in ("rgb", "depth", "poses"):
         shutil.rmtree(sequence / folder)
@@ -108,6 +116,7 @@ def every_image_cut(sequence: Path) -> None:
         (no_frames, "no frames"),
         (no_pose_is_finite, "NaN or infinity"),
         (poses_are_no_rotations, "no rotation"),
+        (cameras_on_another_continent, "beyond 500 m from the origin"),
         (depth_said_to_be_in_metres, "set depth_scale to 1000"),
         (intrinsics_of_another_size, "they say 640x480"),
         (no_intrinsics, "intrinsics.json"),
@@ -231,6 +240,10 @@ def test_some_bad_frames_are_skipped_counted_and_said(sequence, tmp_path):
     words = ["000002 has no depth", "depth/000005.png is cut off", "rgb/000008.jpg is cut off"]
     words += ["000011.txt: the pose holds NaN", "panoptic/000014.png", "poses/000017.txt"]
     words += ["depth/000020.png"]
+    lost = np.loadtxt(sequence / "poses" / "000022.txt")
+    lost[:3, 3] += 1e4  # it would move the floor, and the world with it
+    np.savetxt(sequence / "poses" / "000022.txt", lost)
+    words += ["000022: the camera is at"]
     recorder = Recorder()
     result = run(sequence, tmp_path / "out", reporter=recorder)
     metrics = read_scene(tmp_path / "out" / "scene.json").metrics
@@ -270,7 +283,8 @@ def test_a_damaged_stored_result_is_named_and_can_be_computed_anew(
 def test_masks_without_any_thing_leave_the_room_alone(sequence, tmp_path):
     def empty(content):
         for annotation in content["annotations"]:
-            annotation["segments_info"] = []
+            for segment in annotation["segments_info"]:
+                segment["iscrowd"] = 1
 
     edit_json(sequence / "panoptic.json", empty)
     result = run(sequence, tmp_path / "out", "input.max_frames=8")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..errors import SequenceError
 from . import plain_folder, scannet, scenenn, seven_scenes, tum
+from .lost_poses import without_lost_poses
 from .recording import Recording
 
 _READERS = {
@@ -48,7 +49,7 @@ def read_recording(path: Path, format: str | None) -> Recording:
     recording = _READERS[format].read(path, _entries(path))
     if not recording.frames:
         raise SequenceError(f"{path} has no frames", f"known layouts are: {_KNOWN}")
-    return recording
+    return without_lost_poses(recording)
 
 
 def _entries(path: Path) -> set[str]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import collections
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
 
 from ..errors import FrameError
 from ..types import Frame, Sequence
+from ..working_ahead import map_ahead
 
 
 def prefetch(
@@ -21,24 +20,11 @@ def prefetch(
         workers: Decoding threads.
         ahead: Frames decoded before they are asked for, at most.
     """
-    with ThreadPoolExecutor(workers, thread_name_prefix="prefetch") as pool:
-        waiting: collections.deque[tuple[int, Future[Frame | FrameError]]] = collections.deque()
+
+    def read(index: int) -> tuple[int, Frame | FrameError]:
         try:
-            for index in indices:
-                waiting.append((index, pool.submit(_frame_or_error, sequence, index)))
-                if len(waiting) > ahead:
-                    done, future = waiting.popleft()
-                    yield done, future.result()
-            while waiting:
-                done, future = waiting.popleft()
-                yield done, future.result()
-        finally:
-            for _, future in waiting:
-                future.cancel()
+            return index, sequence[index]
+        except FrameError as error:
+            return index, error
 
-
-def _frame_or_error(sequence: Sequence, index: int) -> Frame | FrameError:
-    try:
-        return sequence[index]
-    except FrameError as error:
-        return error
+    return map_ahead(read, indices, workers=workers, ahead=ahead, name="prefetch")
