@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import tyro
 
+from .fusion import fusion
 from .render import render
 
 app = tyro.extras.SubcommandApp()
+app.command(fusion)
 app.command(render)
 
 if __name__ == "__main__":

@@ -6,10 +6,14 @@ import dataclasses
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from typing import Literal
+from typing import Literal, TypeVar
 
+import jax
+import numpy as np
 from rich.console import Console
 from rich.table import Table
+
+T = TypeVar("T")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,6 +36,35 @@ class Figure:
         return self.value >= self.bound if higher else self.value <= self.bound
 
 
+@dataclasses.dataclass(frozen=True, eq=False)
+class Stopwatch:
+    """Wall and core time of things that are done again and again, side by side."""
+
+    wall_s: dict[str, list[float]] = dataclasses.field(default_factory=dict)
+    core_s: dict[str, list[float]] = dataclasses.field(default_factory=dict)
+    """Of all threads of the process."""
+
+    def time(self, name: str, work: Callable[..., T], *args: object) -> T:
+        """What ``work`` returns, once it is computed."""
+        wall, core = time.perf_counter(), time.process_time()
+        result = jax.block_until_ready(work(*args))
+        self.wall_s.setdefault(name, []).append(time.perf_counter() - wall)
+        self.core_s.setdefault(name, []).append(time.process_time() - core)
+        return result
+
+    def ms(self, name: str, *, core: bool = False, together: int = 1) -> float:
+        """Median milliseconds; of ``together`` calls that share their work, their mean."""
+        seconds = (self.core_s if core else self.wall_s)[name]
+        groups = max(1, len(seconds) // together)
+        shared = np.array_split(seconds[: groups * together], groups)
+        return 1000 * statistics.median(float(np.mean(group)) for group in shared)
+
+    def extra_ms(self, name: str, below: str, *, core: bool = False) -> float:
+        """Median of what ``name`` takes longer than ``below`` did next to it, milliseconds."""
+        seconds = self.core_s if core else self.wall_s
+        return 1000 * float(np.median(np.subtract(seconds[name], seconds[below])))
+
+
 def seconds_each(work: Callable[[], object], repeats: int) -> tuple[float, float]:
     """Median wall time and median core time (of all threads) of a call, seconds.
 
@@ -45,6 +78,11 @@ def seconds_each(work: Callable[[], object], repeats: int) -> tuple[float, float
         walls.append(time.perf_counter() - wall)
         cores.append(time.process_time() - core)
     return statistics.median(walls), statistics.median(cores)
+
+
+def note(text: str) -> None:
+    """Print a line beside the tables."""
+    Console().print(text, markup=False)
 
 
 def show(title: str, figures: Sequence[Figure]) -> None:
