@@ -19,11 +19,13 @@ from experiments.bench.intervals import mean_interval, paired_difference
 from experiments.bench.one_run import FAILED, RUN, Libraries, kept_rows, run_key
 from experiments.bench.oracle import MASKS, NONE, STAGES, true_alignments, true_shortlist
 from experiments.bench.plan import IN_LIBRARY, Plan, RoomSpec, Run, room_specs
-from experiments.bench.report import Means, sheets, write_markdown
+from experiments.bench.report import means_of, sheets
 from experiments.bench.room_figures import room_sheet
+from experiments.bench.room_work import RoomWork
 from experiments.bench.rows import Row, flatten
 from experiments.bench.run_bench import run_plan
-from experiments.bench.table import COLUMNS, CSV, PARQUET, read_table, write_table
+from experiments.bench.sheets import write_markdown
+from experiments.bench.table import BENCH
 from experiments.bench.truth_folder import TrueScene, read_true_scene
 from isr_jax import pipeline
 from isr_jax.cad import default_library
@@ -93,7 +95,7 @@ def test_a_finished_benchmark_has_every_figure_of_every_run(done):
         ("default-truth-physical_check", 2, 2),
     ]
     assert all(ended.problem is None for ended, _, _ in said)
-    means = Means(rows)
+    means = means_of(rows)
     assert [key[3] for key in means.runs()] == [NONE, "physical_check"]
     of_truth = means.runs()[1]
     for figure in HEADLINE:
@@ -105,7 +107,7 @@ def test_a_finished_benchmark_has_every_figure_of_every_run(done):
 def test_all_true_scores_as_it_must(done):
     """True labels, entities, supports, models and poses: nothing is left to lose."""
     _, rows, _ = done
-    means = Means(rows)
+    means = means_of(rows)
     key = next(k for k in means.runs() if k[3] == "physical_check")
     value = {figure.title: means.of(key, figure).get(ROOM.name) for figure in HEADLINE}
     for title in (
@@ -142,10 +144,10 @@ def test_classes_and_costs_are_rows_too(done):
 
 def test_parquet_and_csv_hold_the_same_rows(done):
     plan, rows, _ = done
-    assert read_table(plan.out_dir) == rows
-    with (plan.out_dir / CSV).open(newline="", encoding="utf-8") as file:
+    assert BENCH.read(plan.out_dir) == rows
+    with (plan.out_dir / BENCH.csv).open(newline="", encoding="utf-8") as file:
         told = list(csv.DictReader(file))
-    assert list(told[0]) == list(COLUMNS) and len(told) == len(rows)
+    assert list(told[0]) == list(BENCH.columns) and len(told) == len(rows)
     for line, kept in zip(told, rows, strict=True):
         assert float(line["value"]) == kept.value and int(line["seed"]) == kept.seed
         assert line["class"] == kept.class_name and line["metric"] == kept.metric
@@ -199,7 +201,7 @@ def test_ctrl_c_keeps_what_is_done(done, tmp_path, monkeypatch):
     monkeypatch.setattr(one_run, "_reconstruct", stopped)
     with pytest.raises(KeyboardInterrupt):
         run_plan(mine, 0, lambda *_: None)
-    assert read_table(mine.out_dir) == [r for r in rows if r.level == "perfect"]
+    assert BENCH.read(mine.out_dir) == [r for r in rows if r.level == "perfect"]
 
 
 def test_a_room_that_cannot_be_filmed_fails_by_itself(tmp_path):
@@ -223,7 +225,7 @@ class _Dead:
 )
 def test_a_process_that_dies_costs_one_run(tmp_path, filmed, done_runs, lost, left):
     plan = plan_at(tmp_path, truths=("mapping", "entities"))
-    work = workers.Work(plan, ROOM, plan.runs(ROOM))
+    work = RoomWork(plan, ROOM, plan.runs(ROOM))
     busy = workers._Busy(_Dead(), None, work, filmed, done_runs)  # type: ignore[arg-type]
     ended, rest = workers._left_behind(busy)
     assert [e.run for e in ended] == list(work.runs[done_runs : done_runs + lost])
@@ -436,18 +438,19 @@ def test_printed_means_and_differences_are_those_of_the_rooms():
 
 def test_markdown_has_every_sheet(tmp_path):
     found = sheets([row("a", "panoptic.pq", 0.5), row("b", "panoptic.pq", 0.7)])
-    text = write_markdown(found, tmp_path).read_text()
+    write_markdown(found, tmp_path / "bench.md")
+    text = (tmp_path / "bench.md").read_text()
     assert "| PQ, % | 60.0 [50.0, 70.0] |" in text and "| --- | ---: |" in text
 
 
 def test_a_table_without_values_keeps_its_columns(tmp_path):
     rows = [row(value=None, note="why"), row(value=0.1 + 0.2, class_name="chair")]
-    write_table(rows, tmp_path)
-    assert read_table(tmp_path) == rows
-    lines = (tmp_path / CSV).read_text().splitlines()
-    assert lines[0] == ",".join(COLUMNS) and lines[2].endswith("chair,0.30000000000000004,")
-    write_table([], tmp_path)
-    assert read_table(tmp_path) == []
+    BENCH.write(rows, tmp_path)
+    assert BENCH.read(tmp_path) == rows
+    lines = (tmp_path / BENCH.csv).read_text().splitlines()
+    assert lines[0] == ",".join(BENCH.columns) and lines[2].endswith("chair,0.30000000000000004,")
+    BENCH.write([], tmp_path)
+    assert BENCH.read(tmp_path) == []
 
 
 def test_costs_are_counted_by_stage(monkeypatch):
@@ -600,4 +603,4 @@ def test_tables_print_again_without_running(done, capsys):
     command.main(["tables", "--out", str(plan.out_dir)])
     told = capsys.readouterr().out
     assert "in-library, masks perfect, 1 rooms" in told and f"{len(rows)} values" in told
-    assert (plan.out_dir / PARQUET).name in told
+    assert (plan.out_dir / BENCH.parquet).name in told

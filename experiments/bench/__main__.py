@@ -11,17 +11,17 @@ import tyro
 from rich.console import Console
 
 from isr_jax.compile_cache import enable_compilation_cache
-from isr_jax.console import ConsoleReporter
 from isr_jax.demonstration import FilmPlan, image_size
 from isr_jax.errors import IsrError, LibraryError, OutputError, SettingError
 
-from .held_out import HOW_TO_GET_IT, held_out_library
+from .held_out import HOW_TO_GET_IT, split_libraries
 from .oracle import TRUTH_UP_TO
-from .plan import HELD_OUT, SPLITS, Plan, room_specs
-from .report import sheets, write_markdown
+from .plan import SPLITS, Plan, room_specs
+from .report import MARKDOWN, sheets
 from .room_figures import room_sheet
 from .run_bench import describe, run_plan
-from .table import CSV, PARQUET, read_table, refuse_without_pyarrow
+from .sheets import write_markdown
+from .table import BENCH, refuse_without_pyarrow
 from .workers import Ended
 
 _FILE_WIDTH = 160
@@ -93,22 +93,11 @@ class Bench:
             overrides=self.set,
         )
         # Last, since an import takes minutes.
-        libraries = self._libraries(console)
+        libraries = split_libraries(self.splits, self.held_out_library, console)
+        if not libraries:
+            raise LibraryError("no split is left to run", HOW_TO_GET_IT)
         rooms = tuple(room for room in plan.rooms if room.split in libraries)
         return dataclasses.replace(plan, rooms=rooms, libraries=tuple(libraries.items()))
-
-    def _libraries(self, console: Console) -> dict[str, Path | None]:
-        """What furnishes each split; without those that there is nothing for."""
-        found: dict[str, Path | None] = dict.fromkeys(self.splits)
-        if HELD_OUT in found:
-            with ConsoleReporter(console) as reporter:
-                found[HELD_OUT] = held_out_library(self.held_out_library, reporter)
-            if found[HELD_OUT] is None:
-                console.print(f"split {HELD_OUT} skipped, no library for it: {HOW_TO_GET_IT}")
-                del found[HELD_OUT]
-        if not found:
-            raise LibraryError("no split is left to run", HOW_TO_GET_IT)
-        return found
 
 
 @dataclasses.dataclass(frozen=True)
@@ -122,7 +111,7 @@ class Tables:
     """That a benchmark wrote."""
 
     def run(self, console: Console) -> None:
-        _print_tables(console, read_table(self.out), self.out)
+        _print_tables(console, BENCH.read(self.out), self.out)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -153,8 +142,10 @@ def _print_tables(console: Console, rows: list, out_dir: Path) -> None:
     found = sheets(rows)
     for sheet in found:
         console.print(sheet.table())
-    path = write_markdown(found, out_dir)
-    console.print(f"{len(rows)} values: {out_dir / PARQUET}, {out_dir / CSV}; tables: {path}")
+    path = out_dir / MARKDOWN
+    write_markdown(found, path)
+    files = f"{out_dir / BENCH.parquet}, {out_dir / BENCH.csv}"
+    console.print(f"{len(rows)} values: {files}; tables: {path}")
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -6,9 +6,14 @@ import hashlib
 from collections.abc import Callable
 from pathlib import Path
 
+from rich.console import Console
+
+from isr_jax.console import ConsoleReporter
 from isr_jax.errors import LibraryError
 from isr_jax.reporter import Reporter
 from isr_jax.user_cache import user_cache_dir
+
+from .plan import HELD_OUT
 
 PACKAGE = Path("/usr/share/sweethome3d/furniture")
 """Where the package sweethome3d-furniture of Debian and Ubuntu puts its catalogues."""
@@ -17,6 +22,28 @@ HOW_TO_GET_IT = (
     "`isr cad add MODELS --library my_models`, then --held-out-library my_models"
 )
 _COMPLETE = "complete"
+
+
+def split_libraries(
+    splits: tuple[str, ...], given: Path | None, console: Console
+) -> dict[str, Path | None]:
+    """What furnishes each split, None for the kit; without those that there is nothing for.
+
+    A line on the console says which split is skipped.
+
+    Args:
+        splits: Of `SPLITS`.
+        given: As in `held_out_library`.
+        console: Also shows the progress of an import, which takes minutes.
+    """
+    found: dict[str, Path | None] = dict.fromkeys(splits)
+    if HELD_OUT in found:
+        with ConsoleReporter(console) as reporter:
+            found[HELD_OUT] = held_out_library(given, reporter)
+        if found[HELD_OUT] is None:
+            console.print(f"split {HELD_OUT} skipped, no library for it: {HOW_TO_GET_IT}")
+            del found[HELD_OUT]
+    return found
 
 
 def held_out_library(given: Path | None, reporter: Reporter) -> Path | None:

@@ -6,7 +6,6 @@ import hashlib
 import json
 import shutil
 import time
-import traceback
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -34,6 +33,7 @@ from isr_jax.stage_runner import StageRunner
 from isr_jax.store import StageStore
 
 from .cost import CostMeter
+from .keeping import keep, kept, with_trace
 from .oracle import MASKS, NONE, TRUE_MODELS, TruthRunner, truth_of_stages
 from .plan import Plan, RoomSpec, Run
 from .rows import Row, Value, flatten
@@ -90,35 +90,19 @@ def run_key(plan: Plan, run: Run, libraries: Libraries) -> str:
 
 def kept_rows(folder: Path, key: str) -> list[Row] | None:
     """Rows of a finished run of this key, or None."""
-    path = folder / _ROWS
-    if not path.exists():
-        return None
-    data = json.loads(path.read_text("utf-8"))
-    return [Row(**row) for row in data["rows"]] if data["key"] == key else None
+    data = kept(folder / _ROWS)
+    return None if data is None or data["key"] != key else [Row(**row) for row in data["rows"]]
 
 
 def finish_run(plan: Plan, run: Run, libraries: Libraries, reporter: Reporter) -> str | None:
     """Do a run and keep its rows; what went wrong, or None. Never raises but on Ctrl-C."""
+
+    def compute() -> dict[str, Any]:
+        rows = rows_of(run, _values(plan, run, libraries, reporter))
+        return {"key": run_key(plan, run, libraries), "rows": [vars(row) for row in rows]}
+
     folder = plan.run_dir(run)
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in (_ROWS, TRACEBACK):
-        (folder / name).unlink(missing_ok=True)
-    try:
-        values = _values(plan, run, libraries, reporter)
-    except Exception as error:  # one run of many: its row says what it died of
-        (folder / TRACEBACK).write_text(traceback.format_exc(), "utf-8")
-        return one_line(error)
-    head = {"key": run_key(plan, run, libraries)}
-    rows = [vars(row) for row in rows_of(run, values)]
-    fresh = folder / f"{_ROWS}.new"
-    fresh.write_text(json.dumps(head | {"rows": rows}, allow_nan=False), "utf-8")
-    fresh.replace(folder / _ROWS)
-    return None
-
-
-def one_line(error: Exception) -> str:
-    """An error for a cell of the table."""
-    return " ".join(f"{type(error).__name__}: {error}".split())
+    return keep(folder / _ROWS, folder / TRACEBACK, compute)
 
 
 def rows_of(run: Run, values: Iterable[Value]) -> list[Row]:
@@ -132,9 +116,7 @@ def rows_of(run: Run, values: Iterable[Value]) -> list[Row]:
 
 def failed_row(plan: Plan, run: Run, problem: str) -> Row:
     """The row of a run that did not end."""
-    path = plan.run_dir(run) / TRACEBACK
-    note = f"{problem} (see {path})" if path.exists() else problem
-    return _row(run, RUN, FAILED, "", 1.0, note)
+    return _row(run, RUN, FAILED, "", 1.0, with_trace(problem, plan.run_dir(run) / TRACEBACK))
 
 
 def _row(run: Run, stage: str, metric: str, class_name: str, value: float, note: str = "") -> Row:

@@ -75,7 +75,9 @@ class Plan:
                 raise SettingError(f"no {what}", "name at least one")
             unknown = [name for name in given if known is not None and name not in known]
             if unknown:
-                raise SettingError(f"unknown {what} {unknown}", f"use some of: {', '.join(known)}")
+                raise SettingError(
+                    f"unknown {what} {unknown}", f"use some of: {', '.join(known or ())}"
+                )
         for name in self.presets:
             self.settings(name)
 

@@ -11,7 +11,7 @@ import numpy as np
 from isr_jax.errors import SceneError
 from isr_jax.room_making import TAKEN_AWAY
 
-from .report import Sheet
+from .sheets import Sheet
 
 _HEADINGS = (
     "room", "m2", "objects", "classes", "with joints", "levels", "occluded, %", "seen, %",

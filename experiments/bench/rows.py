@@ -80,21 +80,25 @@ _Path = tuple[str, ...]
 
 
 def flatten(report: EvaluationReport, stability: StabilityReport) -> list[Value]:
-    """Every number of both reports; measures that are added there appear by themselves.
+    """Every number of both reports; measures that are added there appear by themselves."""
+    settled = [
+        Value("stability", ".".join(path), class_name, value)
+        for path, class_name, value in _numbers(stability, ())
+    ]
+    return [*scored(report), *settled]
+
+
+def scored(report: Any) -> list[Value]:
+    """Every number of an `EvaluationReport`, or of a record with some parts of one.
 
     Fields and derived properties are walked. A list with a row a class gives a value a class, one
     with a row a limit a value a limit; a list of entities or bodies gives their count, mean and
     maximum. None is left out.
     """
-    scored = [
+    return [
         Value(_stage(path), ".".join(path), class_name, value)
         for path, class_name, value in _numbers(report, ())
     ]
-    settled = [
-        Value("stability", ".".join(path), class_name, value)
-        for path, class_name, value in _numbers(stability, ())
-    ]
-    return [*scored, *settled]
 
 
 def _stage(path: _Path) -> str:

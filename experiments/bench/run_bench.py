@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from isr_jax.demonstration import is_filmed
 
 from .one_run import Libraries, failed_row, kept_rows, run_key
 from .plan import Plan, RoomSpec, Run
+from .room_work import RoomWork
 from .rows import Row
-from .table import write_table
-from .workers import Ended, Work, work_through
-
-Said = Callable[[Ended, int, int], None]
-"""Told what ended, how many have, and how many there are."""
+from .table import BENCH
+from .workers import Said, run_works
 
 
 def run_plan(plan: Plan, jobs: int, said: Said) -> list[Row]:
@@ -23,22 +19,16 @@ def run_plan(plan: Plan, jobs: int, said: Said) -> list[Row]:
     next call goes on from there.
     """
     libraries = Libraries(plan)
-    problems: dict[Run, str] = {}
-    works = missing(plan, libraries)
-    total, done = sum(len(work.runs) for work in works), 0
-    try:
-        for ended in work_through(works, jobs):
-            done += ended.run is not None
-            if ended.run is not None and ended.problem is not None:
-                problems[ended.run] = ended.problem
-            said(ended, done, total)
-    finally:
+
+    def gather(problems: dict[Run, str]) -> list[Row]:
         rows = _gathered(plan, libraries, problems)
-        write_table(rows, plan.out_dir)
-    return rows
+        BENCH.write(rows, plan.out_dir)
+        return rows
+
+    return run_works(missing(plan, libraries), jobs, said, gather)
 
 
-def missing(plan: Plan, libraries: Libraries) -> list[Work]:
+def missing(plan: Plan, libraries: Libraries) -> list[RoomWork]:
     """The runs that are not kept, by room."""
     found = []
     for room in plan.rooms:
@@ -47,7 +37,7 @@ def missing(plan: Plan, libraries: Libraries) -> list[Work]:
             run for run in plan.runs(room) if not filmed or _kept(plan, run, libraries) is None
         )
         if runs:
-            found.append(Work(plan, room, runs))
+            found.append(RoomWork(plan, room, runs))
     return found
 
 

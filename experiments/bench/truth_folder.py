@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -113,10 +114,11 @@ def _mesh(path: Path) -> Mesh:
     except (OSError, ValueError) as error:
         raise SceneError(f"{path} cannot be read: {error}", "film the room anew") from None
     assert isinstance(found, trimesh.Trimesh)
+    visual: Any = found.visual
     return Mesh(
         np.asarray(found.vertices, np.float32),
         np.asarray(found.faces, np.int32),
-        np.asarray(found.visual.vertex_colors, np.uint8)[:, :3].copy(),
+        np.asarray(visual.vertex_colors, np.uint8)[:, :3].copy(),
         np.asarray(found.vertex_normals, np.float32),
     )
 

@@ -8,22 +8,20 @@ import multiprocessing
 import multiprocessing.connection
 import os
 import signal
-import time
-import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
+from typing import Any, Protocol, TypeVar
 
 from isr_jax.compile_cache import enable_compilation_cache
-from isr_jax.demonstration import film_room
-from isr_jax.reporter import LogReporter
 
-from .one_run import TRACEBACK, Libraries, finish_run, one_line
-from .plan import Plan, RoomSpec, Run
+from .plan import RoomSpec
 
 _THREADS = ("NPROC", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OPENCV_FOR_THREADS_NUM")
 """How XLA, OpenMP, OpenBLAS and OpenCV are told how many threads to use."""
-_NO_FILM = "the room was not filmed"
+NO_FILM = "the room was not filmed"
+
+T = TypeVar("T")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,20 +29,55 @@ class Ended:
     """A film or a run that ended, one way or the other."""
 
     room: RoomSpec
-    run: Run | None
-    """None: the film."""
+    run: Any | None
+    """One of `Work.runs`; None: the film."""
     seconds: float
     problem: str | None
     """None: all is well."""
 
 
-@dataclasses.dataclass(frozen=True)
-class Work:
-    """What one process does: film a room, and do these runs of it."""
+class Work(Protocol):
+    """What one process does: film a room, and do runs of it. A frozen dataclass."""
 
-    plan: Plan
-    room: RoomSpec
-    runs: tuple[Run, ...]
+    @property
+    def room(self) -> RoomSpec: ...
+
+    @property
+    def runs(self) -> tuple[Any, ...]:
+        """Hashable, in the order in which they are done."""
+        ...
+
+    def through(self) -> Iterator[Ended]:
+        """Do it: the film comes first, then a run at a time."""
+        ...
+
+
+Said = Callable[[Ended, int, int], None]
+"""Told what ended, how many runs have, and how many there are."""
+
+
+def run_works(
+    works: Sequence[Work], jobs: int, said: Said, gather: Callable[[dict[Any, str]], T]
+) -> T:
+    """Do it all, then gather the results, also where it is broken off.
+
+    Args:
+        works: One a room.
+        jobs: As in `work_through`.
+        said: Hears what ends.
+        gather: Given what went wrong by run, makes the result.
+    """
+    problems: dict[Any, str] = {}
+    total, done = sum(len(work.runs) for work in works), 0
+    try:
+        for ended in work_through(works, jobs):
+            done += ended.run is not None
+            if ended.run is not None and ended.problem is not None:
+                problems[ended.run] = ended.problem
+            said(ended, done, total)
+    finally:
+        gathered = gather(problems)
+    return gathered
 
 
 def work_through(works: Sequence[Work], jobs: int) -> Iterator[Ended]:
@@ -56,37 +89,10 @@ def work_through(works: Sequence[Work], jobs: int) -> Iterator[Ended]:
     """
     if jobs == 0:
         for work in works:
-            yield from _here(work)
+            yield from work.through()
         return
     with _few_threads(max(1, (os.cpu_count() or 1) // jobs)):
         yield from _apart(list(works), jobs)
-
-
-def _here(work: Work) -> Iterator[Ended]:
-    plan, room, started = work.plan, work.room, time.perf_counter()
-    libraries = Libraries(plan)
-    problem = _filmed(work, libraries)
-    yield Ended(room, None, time.perf_counter() - started, problem)
-    for run in work.runs:
-        if problem is not None:
-            yield Ended(room, run, 0.0, f"{_NO_FILM}: {problem}")
-            continue
-        started = time.perf_counter()
-        failure = finish_run(plan, run, libraries, LogReporter())
-        yield Ended(room, run, time.perf_counter() - started, failure)
-
-
-def _filmed(work: Work, libraries: Libraries) -> str | None:
-    """Film the room, or keep its film; what went wrong, or None."""
-    folder, library = work.plan.film_dir(work.room), libraries.of_room(work.room)
-    try:
-        film_room(folder, library=library, **vars(work.plan.film_plan(work.room)))
-    except Exception as error:  # one room of many: its rows say what went wrong
-        path = folder.parent / TRACEBACK
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(traceback.format_exc(), "utf-8")
-        return f"{one_line(error)} (see {path})"
-    return None
 
 
 @contextlib.contextmanager
@@ -149,7 +155,7 @@ def _serve(work: Work, outbox: Connection) -> None:
     """Body of a process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started this one
     enable_compilation_cache()
-    for ended in _here(work):
+    for ended in work.through():
         outbox.send(ended)
     outbox.close()
 
@@ -163,6 +169,6 @@ def _left_behind(busy: _Busy) -> tuple[list[Ended], list[Work]]:
     left = busy.work.runs[busy.done :]
     problem = f"its process ended (exit {busy.process.exitcode})"
     if not busy.filmed:
-        return [Ended(busy.work.room, run, 0.0, f"{_NO_FILM}: {problem}") for run in left], []
-    rest = [dataclasses.replace(busy.work, runs=left[1:])] if left[1:] else []
+        return [Ended(busy.work.room, run, 0.0, f"{NO_FILM}: {problem}") for run in left], []
+    rest = [dataclasses.replace(busy.work, runs=left[1:])] if left[1:] else []  # type: ignore[type-var]
     return [Ended(busy.work.room, run, 0.0, problem) for run in left[:1]], rest
