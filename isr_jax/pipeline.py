@@ -268,7 +268,7 @@ def run(
         masks = segmentation.open_segmenter(
             segmenter, Path(sequence_dir), settings=settings.segmentation
         )
-        for note in sequence.notes:
+        for note in (*sequence.notes, f"masks: {masks.describe()}"):
             reporter.note(note)
         runner = StageRunner(StageStore(out_dir / "stages"), reporter, start_from)
         scene = reconstruct(

@@ -258,7 +258,7 @@ def push(
 def joint_travel(model: mujoco.MjModel, joint: str, patience_s: float = 4.0) -> JointTravel:
     """Push a joint to its lower, then to its upper end; how far it got.
 
-    The generalized force first overcomes the joint's friction and weight, then follows a damped spring
+    The generalized force overcomes the joint's friction and weight, and follows a damped spring
     towards a point beyond the end, for so long at most: a blocked joint shows a range not reached.
     A joint without ends is turned half round both ways.
     """

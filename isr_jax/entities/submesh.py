@@ -13,7 +13,8 @@ from ..types import Mesh
 
 def submesh(mesh: Mesh, keep: Bool[np.ndarray, " vertices"]) -> Mesh:
     """The faces whose three vertices are kept; vertices of no such face go too."""
-    faces = mesh.faces[np.all(keep[mesh.faces], 1)]
+    a, b, c = mesh.faces.T
+    faces = mesh.faces[keep[a] & keep[b] & keep[c]]  # an axis at a time: several times faster
     used = np.zeros(len(mesh.vertices), bool)
     used[faces] = True
     place = np.cumsum(used) - 1

@@ -3,6 +3,6 @@
 from .map_batch import MapBatch
 from .mapper import PanopticMapper
 
-VERSION: int = 1
+VERSION: int = 2
 
 __all__ = ["VERSION", "MapBatch", "PanopticMapper"]
