@@ -28,7 +28,7 @@ class BlockIndex:
         self.max_blocks = -(-max_blocks // ROW_MULTIPLE) * ROW_MULTIPLE
         capacity = -(-capacity // ROW_MULTIPLE) * ROW_MULTIPLE
         self.origin = np.zeros(3, np.int32)
-        self.grid = np.full((0, 0, 0), -1, np.int32)
+        self.grid: Int[np.ndarray, "x y z"] = np.full((0, 0, 0), -1, np.int32)
         self.passes: UInt8[np.ndarray, "x y z"] = np.zeros((0, 0, 0), np.uint8)
         """Frames that saw through the whole block, up to 255; the shape of ``grid``."""
         self.coords = np.zeros((min(capacity, self.max_blocks), 3), np.int32)

@@ -105,7 +105,7 @@ def _space_pairs(
     limit = np.nextafter(distance_m, np.inf)
     gap, nearest = KDTree(where[main]).query(where[lesser], distance_upper_bound=limit)
     reached = np.isfinite(gap)
-    to_main = np.stack([lesser[reached], main[nearest[reached]]], 1)
+    to_main = np.stack([lesser[reached], main[np.asarray(nearest)[reached]]], 1)
     return np.concatenate([lesser[among], to_main])
 
 
