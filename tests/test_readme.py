@@ -44,7 +44,7 @@ def help_of(*command: str) -> str:
 
 
 def test_the_readme_is_read_right():
-    known = {"demo", "run", "inspect", "view", "cad", "synth", "eval"}
+    known = {"demo", "run", "inspect", "map", "view", "cad", "synth", "eval"}
     assert known >= {c for c, _ in COMMANDS} >= {"run", "view"}
 
 
