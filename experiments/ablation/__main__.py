@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import dataclasses
-import os
-import sys
+from functools import partial
 from pathlib import Path
 
-import tyro
 from rich.console import Console
 
+from experiments.bench.command import (
+    call,
+    jobs_or_default,
+    make_out_dir,
+    print_sheets,
+    refuse_unknown_splits,
+    say_ended,
+)
 from experiments.bench.held_out import split_libraries
 from experiments.bench.plan import SPLITS, room_specs
-from experiments.bench.sheets import Sheet, write_markdown
+from experiments.bench.sheets import Sheet
 from experiments.bench.table import refuse_without_pyarrow
-from experiments.bench.workers import Ended
-from isr_jax.compile_cache import enable_compilation_cache
 from isr_jax.demonstration import FilmPlan, image_size
-from isr_jax.errors import IsrError, LibraryError, OutputError, SettingError
+from isr_jax.errors import LibraryError
 
 from .diagnosis_sheets import diagnosis_sheets
 from .map_film import MaskedFilm, map_film
@@ -27,9 +31,6 @@ from .report import MARKDOWN, sheets
 from .run_ablation import run_plan
 from .scores import judge, truth_of
 from .variants import GROUPS, VARIANTS, variant
-
-_FILE_WIDTH = 220
-"""Columns of tables that go into a file."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,19 +75,13 @@ class Ablation:
     def run(self, console: Console) -> None:
         refuse_without_pyarrow()
         plan = self._plan(console)
-        try:
-            plan.out_dir.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"{self.out}: {error.strerror}", "give another --out") from None
-        jobs = max(1, (os.cpu_count() or 1) // 2) if self.jobs is None else self.jobs
-        run_plan(plan, jobs, lambda ended, d, t: _say(console, ended, d, t))
+        make_out_dir(plan.out_dir)
+        run_plan(plan, jobs_or_default(self.jobs), partial(say_ended, console))
         _print_tables(console, self.out)
 
     def _plan(self, console: Console) -> AblationPlan:
         width, height = image_size(self.size)
-        unknown = [split for split in self.splits if split not in SPLITS]
-        if unknown:
-            raise SettingError(f"unknown splits {unknown}", f"use some of: {', '.join(SPLITS)}")
+        refuse_unknown_splits(self.splits)
         plan = AblationPlan(
             out_dir=self.out,
             rooms=room_specs(self.splits, self.rooms, self.seeds_from),
@@ -163,46 +158,15 @@ class Diagnose:
             console.print(sheet.table())
 
 
-def _say(console: Console, ended: Ended, done: int, total: int) -> None:
-    what = f"{ended.room.name}: {'film' if ended.run is None else ended.run.name}"
-    if ended.problem is None:
-        console.print(
-            f"[{done}/{total}] {what}, {ended.seconds:.0f} s", highlight=False, markup=False
-        )
-    else:
-        console.print(f"[{done}/{total}] {what} failed: {ended.problem}", style="red", markup=False)
-
-
 def _print_tables(console: Console, out_dir: Path) -> None:
     rows = TABLE.read(out_dir)
-    found, path = sheets(rows), out_dir / MARKDOWN
-    for sheet in found:
-        console.print(sheet.table())
-    write_markdown(found, path)
-    files = f"{out_dir / TABLE.parquet}, {out_dir / TABLE.csv}"
-    console.print(f"{len(rows)} values: {files}; tables: {path}")
+    print_sheets(console, sheets(rows), rows, TABLE, out_dir / MARKDOWN)
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Entry point; a user's error is one message and exit status 2."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    enable_compilation_cache()
-    commands = {"tables": Tables, "variants": Variants, "diagnose": Diagnose}
-    named = commands.get(arguments[0]) if arguments else None
-    name = f" {arguments[0]}" if named else ""
-    chosen = tyro.cli(
-        named or Ablation,
-        args=arguments[1:] if named else arguments,
-        prog=f"python -m experiments.ablation{name}",
-    )
-    try:
-        chosen.run(Console(width=None if sys.stdout.isatty() else _FILE_WIDTH))
-    except IsrError as error:
-        Console(stderr=True).print(f"[red]error:[/] {error}", highlight=False)
-        sys.exit(2)
-    except KeyboardInterrupt:
-        Console(stderr=True).print("stopped; what is finished is kept and in the table")
-        sys.exit(130)
+    """Entry point."""
+    named = {"tables": Tables, "variants": Variants, "diagnose": Diagnose}
+    call("python -m experiments.ablation", Ablation, named, arguments)
 
 
 if __name__ == "__main__":

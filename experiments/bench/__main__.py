@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 import dataclasses
-import os
-import sys
+from functools import partial
 from pathlib import Path
 
-import tyro
 from rich.console import Console
 
-from isr_jax.compile_cache import enable_compilation_cache
 from isr_jax.demonstration import FilmPlan, image_size
-from isr_jax.errors import IsrError, LibraryError, OutputError, SettingError
+from isr_jax.errors import LibraryError
 
+from .command import (
+    call,
+    jobs_or_default,
+    make_out_dir,
+    print_sheets,
+    refuse_unknown_splits,
+    say_ended,
+)
 from .held_out import HOW_TO_GET_IT, split_libraries
 from .oracle import TRUTH_UP_TO
 from .plan import SPLITS, Plan, room_specs
 from .report import MARKDOWN, sheets
 from .room_figures import room_sheet
-from .run_bench import describe, run_plan
-from .sheets import write_markdown
+from .rows import Row
+from .run_bench import run_plan
 from .table import BENCH, refuse_without_pyarrow
-from .workers import Ended
-
-_FILE_WIDTH = 160
-"""Columns of tables that go into a file."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,19 +70,13 @@ class Bench:
     def run(self, console: Console) -> None:
         refuse_without_pyarrow()
         plan = self._plan(console)
-        try:
-            plan.out_dir.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise OutputError(f"{self.out}: {error.strerror}", "give another --out") from None
-        jobs = max(1, (os.cpu_count() or 1) // 2) if self.jobs is None else self.jobs
-        rows = run_plan(plan, jobs, lambda ended, d, t: _say(console, ended, d, t))
+        make_out_dir(plan.out_dir)
+        rows = run_plan(plan, jobs_or_default(self.jobs), partial(say_ended, console))
         _print_tables(console, rows, plan.out_dir)
 
     def _plan(self, console: Console) -> Plan:
         width, height = image_size(self.size)
-        unknown = [split for split in self.splits if split not in SPLITS]
-        if unknown:
-            raise SettingError(f"unknown splits {unknown}", f"use some of: {', '.join(SPLITS)}")
+        refuse_unknown_splits(self.splits)
         plan = Plan(
             out_dir=self.out,
             rooms=room_specs(self.splits, self.rooms, self.seeds_from),
@@ -128,46 +123,13 @@ class Rooms:
         console.print(room_sheet(self.out).table())
 
 
-def _say(console: Console, ended: Ended, done: int, total: int) -> None:
-    what = describe(ended.room, ended.run)
-    if ended.problem is None:
-        console.print(
-            f"[{done}/{total}] {what}, {ended.seconds:.0f} s", highlight=False, markup=False
-        )
-    else:
-        console.print(f"[{done}/{total}] {what} failed: {ended.problem}", style="red", markup=False)
-
-
-def _print_tables(console: Console, rows: list, out_dir: Path) -> None:
-    found = sheets(rows)
-    for sheet in found:
-        console.print(sheet.table())
-    path = out_dir / MARKDOWN
-    write_markdown(found, path)
-    files = f"{out_dir / BENCH.parquet}, {out_dir / BENCH.csv}"
-    console.print(f"{len(rows)} values: {files}; tables: {path}")
+def _print_tables(console: Console, rows: list[Row], out_dir: Path) -> None:
+    print_sheets(console, sheets(rows), rows, BENCH, out_dir / MARKDOWN)
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Entry point; a user's error is one message and exit status 2."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    enable_compilation_cache()
-    commands = {"tables": Tables, "rooms": Rooms}
-    named = commands.get(arguments[0]) if arguments else None
-    name = f" {arguments[0]}" if named else ""
-    chosen = tyro.cli(
-        named or Bench,
-        args=arguments[1:] if named else arguments,
-        prog=f"python -m experiments.bench{name}",
-    )
-    try:
-        chosen.run(Console(width=None if sys.stdout.isatty() else _FILE_WIDTH))
-    except IsrError as error:
-        Console(stderr=True).print(f"[red]error:[/] {error}", highlight=False)
-        sys.exit(2)
-    except KeyboardInterrupt:
-        Console(stderr=True).print("stopped; what is finished is kept and in the table")
-        sys.exit(130)
+    """Entry point."""
+    call("python -m experiments.bench", Bench, {"tables": Tables, "rooms": Rooms}, arguments)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 from isr_jax.demonstration import is_filmed
 
 from .one_run import Libraries, failed_row, kept_rows, run_key
-from .plan import Plan, RoomSpec, Run
+from .plan import Plan, Run
 from .room_work import RoomWork
 from .rows import Row
 from .table import BENCH
@@ -54,8 +54,3 @@ def _gathered(plan: Plan, libraries: Libraries, problems: dict[Run, str]) -> lis
             else:
                 rows += _kept(plan, run, libraries) or []
     return rows
-
-
-def describe(room: RoomSpec, run: Run | None) -> str:
-    """What ended, for a line of progress."""
-    return f"{room.name}: {'film' if run is None else run.name}"

@@ -4,22 +4,19 @@ Presets are values of `Settings`; the resolved settings are saved beside every r
 """
 
 from .fields import setting
+from .map_stages import EntitySettings, InputSettings, MappingSettings, SegmentationSettings
 from .presets import PRESETS, preset
-from .sensor import NoiseModel, PoseNoise
-from .stages import (
+from .scene_stages import (
     AlignmentSettings,
     CadSettings,
     ContactGraphSettings,
-    EntitySettings,
     ExportSettings,
-    InputSettings,
-    MappingSettings,
     MatchingSettings,
     PhysicalCheckSettings,
-    SegmentationSettings,
-    Settings,
     StabilitySettings,
 )
+from .sensor import NoiseModel, PoseNoise
+from .settings import Settings
 from .text import settings_from_toml, settings_to_dict, settings_to_toml, with_overrides
 
 __all__ = [

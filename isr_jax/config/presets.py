@@ -5,16 +5,14 @@ from __future__ import annotations
 import dataclasses
 
 from ..errors import SettingError
-from .stages import (
+from .map_stages import EntitySettings, MappingSettings, SegmentationSettings
+from .scene_stages import (
     AlignmentSettings,
     ContactGraphSettings,
-    EntitySettings,
-    MappingSettings,
     MatchingSettings,
     PhysicalCheckSettings,
-    SegmentationSettings,
-    Settings,
 )
+from .settings import Settings
 
 _PAPER = Settings(
     preset="paper",

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..errors import SettingError
 from .presets import preset
-from .stages import Settings
+from .settings import Settings
 
 
 def with_overrides(settings: Settings, overrides: list[str]) -> Settings:
