@@ -33,7 +33,7 @@ class BlockIndex:
         """Frames that saw through the whole block, up to 255; the shape of ``grid``."""
         self.coords = np.zeros((min(capacity, self.max_blocks), 3), np.int32)
         self.stamp = np.zeros(len(self.coords), np.int64)
-        """Number of the step that last changed a row's distances, colours or labels."""
+        """Number of the step that last changed a row's distances, colours or counts of labels."""
         self.generation = np.zeros(len(self.coords), np.int32)
         """Numbering of map labels in which a row's labels are written."""
         self.used = 0

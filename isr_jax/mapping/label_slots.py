@@ -164,7 +164,7 @@ def relabel(
     rows: Int[Array, " blocks"],
     table_of: Int[Array, " blocks"],
     count: Int[Array, ""],
-) -> tuple[tuple[UInt32[Array, "capacity 512"], ...], Bool[Array, " blocks"]]:
+) -> tuple[UInt32[Array, "capacity 512"], ...]:
     """Give every label its new number in the first ``count`` of some rows of the pool.
 
     Slots of a voxel that become one label add up; slots are in order of counts, then of labels, so
@@ -172,15 +172,11 @@ def relabel(
 
     Args:
         table_of: Table of each row.
-
-    Returns:
-        The slots, and whether a block's changed.
     """
     width = tables.shape[1]
     names = tables.reshape(-1)
 
-    def step(i, carry):
-        labels, changed = carry
+    def step(i, labels):
         start = i * ROW_MULTIPLE
         some = lax.dynamic_slice(rows, (start,), (ROW_MULTIPLE,))
         table = lax.dynamic_slice(table_of, (start,), (ROW_MULTIPLE,)) * width
@@ -188,17 +184,13 @@ def relabel(
         places = [(s & LABEL_MASK).astype(jnp.int32) + table[:, None] for s in old]
         places = lax.optimization_barrier(places)
         new = _renamed(old, [names[p] for p in places])
-        differs = functools.reduce(
-            jnp.logical_or, [jnp.any(a != b, 1) for a, b in zip(old, new, strict=True)]
-        )
-        labels = tuple(
+        return tuple(
             s.at[some].set(n, mode="drop", unique_indices=True)
             for s, n in zip(labels, new, strict=True)
         )
-        return labels, lax.dynamic_update_slice(changed, differs, (start,))
 
     trips = (count + ROW_MULTIPLE - 1) // ROW_MULTIPLE
-    return lax.fori_loop(0, trips, step, (labels, jnp.zeros(rows.shape, bool)))
+    return lax.fori_loop(0, trips, step, labels)
 
 
 def _renamed(slots, names):

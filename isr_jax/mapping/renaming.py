@@ -62,11 +62,8 @@ class Renaming:
         padded[: len(stale)] = stale + state.first_row
         table_of = np.zeros(size, np.int32)
         table_of[: len(stale)] = np.searchsorted(generations, state.blocks.generation[stale])
-        labels, changed = label_slots.relabel(
-            pool.labels, tables, padded, table_of, np.int32(len(stale))
-        )
+        labels = label_slots.relabel(pool.labels, tables, padded, table_of, np.int32(len(stale)))
         state.blocks.generation[stale] = self.generation
-        state.blocks.stamp[stale[np.asarray(changed)[: len(stale)]]] = state.step
         return with_labels(pool, labels)
 
     def settle(self, pool: VoxelPool, state: MapState) -> VoxelPool:
