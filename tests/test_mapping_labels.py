@@ -280,23 +280,47 @@ def test_one_to_one_is_the_best_of_all(table):
     assert sum(counts[pair] for pair in greedy.items()) <= best
 
 
-@settings(max_examples=30, deadline=None)
-@given(steps=st.lists(st.tuples(st.integers(1, 4), st.integers(1, 5)), max_size=60))
-def test_shares_kept_up_to_date_are_those_of_the_counts(steps):
-    """Against the definition, summed over all labels."""
-    fusion = with_labels(4)
+MERGES = st.lists(
+    st.tuples(st.sampled_from(["labels", "instances"]), st.integers(1, 5), st.integers(1, 5)),
+    max_size=4,
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(steps=st.lists(st.tuples(st.integers(1, 5), st.integers(1, 5)), max_size=60), merges=MERGES)
+def test_shares_kept_up_to_date_are_those_of_the_counts(steps, merges):
+    """Against the definition, summed over all labels; after merges and new numbers too."""
+    fusion = with_labels(5)
     things = [fusion.instances.fresh(CHAIR) for _ in range(5)]
     for label, which in steps:
         key = CHAIR, things[which - 1]
         fusion.counts[label][key] = fusion.counts[label].get(key, 0) + 1
         fusion.shares.count(label, key[1])
-    phi = np.zeros((5, 6), int)
-    for label, which in steps:
-        phi[label, which] += 1
-    for a, b in itertools.combinations(range(1, 6), 2):
+    assert_shares(fusion, things)
+    for what, a, b in merges:
+        keep, gone = sorted((a, b))
+        if what == "labels" and {keep, gone} <= set(fusion.canonical.tolist()) and keep != gone:
+            fusion._merge_labels(keep, gone)
+        one, other = things[keep - 1], things[gone - 1]
+        both_left = fusion.instances.is_thing(one) and fusion.instances.is_thing(other)
+        if what == "instances" and keep != gone and both_left:
+            fusion._merge_instances(one, other)
+        assert_shares(fusion, things)
+    fusion.compact()
+    assert_shares(fusion, things)
+    fusion.forget(np.arange(fusion.label_count) != 1)
+    assert_shares(fusion, things)
+
+
+def assert_shares(fusion, things):
+    phi = np.zeros((fusion.label_count, len(things)), int)
+    for label, triplets in enumerate(fusion.counts):
+        for (_, instance), n in triplets.items():
+            phi[label, things.index(instance)] += n
+    for (a, one), (b, other) in itertools.combinations(enumerate(things), 2):
         wanted = np.minimum(phi[:, a], phi[:, b]).sum()
-        assert fusion.shares.shared.get(things[a - 1], {}).get(things[b - 1], 0) == wanted
-    assert [fusion.shares.total[o] for o in things] == phi.sum(0)[1:].tolist()
+        assert fusion.shares.shared.get(one, {}).get(other, 0) == wanted
+    assert [fusion.shares.total[o] for o in things] == phi.sum(0).tolist()
 
 
 def test_labels_that_lead_no_voxel_are_forgotten():

@@ -15,11 +15,10 @@ from jaxtyping import Int, UInt8, UInt16, UInt32
 
 from ..types import Array
 from .fuse import CHUNK_BLOCKS, SEGMENT_MASK, VOTES
-from .pool import BLOCK_SIDE, BLOCK_VOXELS, LABEL_BITS, LABEL_MASK
+from .pool import BLOCK_SIDE, BLOCK_VOXELS, LABEL_BITS, LABEL_MASK, LAYER_VOXELS
 from .wide_jit import wide_jit
 
 NO_VOTE = np.uint32(0xFFFFFFFF)
-_LAYER = BLOCK_VOXELS // BLOCK_SIDE
 
 
 @functools.partial(wide_jit, donate_argnames=("ballots",))
@@ -61,7 +60,7 @@ def cast_votes(
         votes = (seen & VOTES) > 0
         cast = ((seen & SEGMENT_MASK) << LABEL_BITS) | label
         low = jnp.where(votes, cast, NO_VOTE)
-        layers = (CHUNK_BLOCKS, _LAYER, BLOCK_SIDE)  # reduced before the last axis: 4 times faster
+        layers = (CHUNK_BLOCKS, LAYER_VOXELS, BLOCK_SIDE)  # across: twice as fast as along memory
         high, ones = jnp.where(votes, cast, 0), votes.astype(jnp.uint8)
         low, high, ones = lax.optimization_barrier((low, high, ones))
         found = (
@@ -89,7 +88,7 @@ def counted(
     """Ballots and how often each was cast, of `cast_votes`' result; one may come up repeatedly."""
     uniform = (number > 0) & (least == most)
     mixed = (number > 0) & ~uniform
-    single = ballots.reshape(-1, _LAYER, BLOCK_SIDE).swapaxes(1, 2)[mixed].reshape(-1)
+    single = ballots.reshape(-1, LAYER_VOXELS, BLOCK_SIDE).swapaxes(1, 2)[mixed].reshape(-1)
     single = single[single != NO_VOTE]
     cast = np.concatenate([least[uniform], single])
     often = np.concatenate([number[uniform].astype(np.int64), np.ones(len(single), np.int64)])

@@ -135,7 +135,8 @@ def _restore_labels(fusion: LabelFusion, stored: dict[str, np.ndarray]) -> None:
     fusion.instances.apart = {(a, b): n for a, b, n in stored["apart"].tolist()}
     columns = stored["instances"].tolist()
     fusion.instances.class_of, fusion.instances.into, fusion.instances.frames = columns
-    fusion.recount()
+    for label, triplets in enumerate(fusion.counts):
+        fusion.shares.rewrite(label, triplets)
 
 
 def _kept_out(kept: KeptFrames) -> dict[str, np.ndarray]:

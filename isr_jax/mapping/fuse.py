@@ -14,7 +14,8 @@ takes 0.8 ns, each of the two gathers 0.8 ns, the running means the rest: arithm
 
 from __future__ import annotations
 
-import equinox as eqx
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -40,7 +41,9 @@ VOTES = 1 << 15
 """Bit of a hit: the voxel lies within a voxel of the surface; its label votes."""
 
 
-class FusionScale(eqx.Module):
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True, eq=False)
+class FusionScale:
     """Lengths and caps that only scale things; changing them compiles nothing."""
 
     voxel_m: float
@@ -49,7 +52,9 @@ class FusionScale(eqx.Module):
     max_weight: float
 
 
-class PackedFrames(eqx.Module):
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True, eq=False)
+class PackedFrames:
     """Frames as flat images."""
 
     words: UInt32[Array, "frames pixels"]
@@ -57,7 +62,9 @@ class PackedFrames(eqx.Module):
     color: UInt32[Array, "frames pixels"]
 
 
-class ChunkedBlocks(eqx.Module):
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True, eq=False)
+class ChunkedBlocks:
     """Blocks to fuse: ``chunks`` true chunks of `CHUNK_BLOCKS`, the rest is padding."""
 
     rows: Int[Array, " blocks"]

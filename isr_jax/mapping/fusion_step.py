@@ -15,7 +15,8 @@ from jaxtyping import Int
 from ..types import Camera
 from . import ballots, fuse, label_slots
 from .fuse import CHUNK_BLOCKS
-from .pool import BLOCK_VOXELS, OutOfMemory, VoxelPool, grown_pool, with_labels
+from .label_slots import CHUNK_LAYERS
+from .pool import BLOCK_SIDE, BLOCK_VOXELS, OutOfMemory, VoxelPool, grown_pool, with_labels
 from .state import MapState, ReadyFrame
 from .votes import Votes, count_votes
 
@@ -32,15 +33,15 @@ class _Chunks:
     chunks: Int[np.ndarray, ""]
 
 
-def _chunked(parts: list[np.ndarray], out_of_range: int) -> _Chunks:
+def _chunked(parts: list[np.ndarray], out_of_range: int, chunk: int = CHUNK_BLOCKS) -> _Chunks:
     """Lists of rows, one a map, in a power of two of chunks."""
-    counts = [-(-len(part) // CHUNK_BLOCKS) for part in parts]
+    counts = [-(-len(part) // chunk) for part in parts]
     total = sum(counts)
     size = 1 << max(total - 1, 0).bit_length()
-    rows = out_of_range + np.arange(size * CHUNK_BLOCKS, dtype=np.int32)
+    rows = out_of_range + np.arange(size * chunk, dtype=np.int32)
     owner = np.zeros(size, np.int32)
     owner[:total] = np.repeat(np.arange(len(parts)), counts)
-    starts = (np.cumsum([0, *counts[:-1]]) * CHUNK_BLOCKS).tolist()
+    starts = (np.cumsum([0, *counts[:-1]]) * chunk).tolist()
     spans = [slice(s, s + len(part)) for s, part in zip(starts, parts, strict=True)]
     for span, part in zip(spans, parts, strict=True):
         rows[span] = part
@@ -194,7 +195,7 @@ class Fusion:
             self._hits,
             np.array(k, np.int32),
             rest.rows,
-            places[among],
+            places[among // BLOCK_SIDE] * BLOCK_SIDE + among % BLOCK_SIDE,
             first[rest.owner],
             table,
             rest.chunks,
@@ -213,9 +214,15 @@ def _union(rows: list[np.ndarray]):
 
 
 def _some_of(chunks: _Chunks, keep, capacity: int) -> tuple[np.ndarray, _Chunks]:
-    """The rows that are kept, in chunks of their own, and their places among all."""
-    places = [span.start + np.flatnonzero(keep[span]) for span in chunks.spans]
-    some = _chunked([chunks.rows[p] for p in places], capacity)
+    """The entries that are kept, in chunks of their own, and their places among all.
+
+    Args:
+        keep: A value a row; or one a part of a row, then the rows found are numbers of parts.
+    """
+    parts = keep[0].size
+    places = [span.start * parts + np.flatnonzero(keep[span]) for span in chunks.spans]
+    rows = [chunks.rows[p // parts] * parts + p % parts for p in places]
+    some = _chunked(rows, capacity * parts, CHUNK_BLOCKS if parts == 1 else CHUNK_LAYERS)
     padded = np.zeros(len(some.rows), np.int32)
     for span, place in zip(some.spans, places, strict=True):
         padded[span] = place

@@ -11,8 +11,19 @@ from jaxtyping import Bool, Int, UInt16, UInt32
 
 from ..types import Array
 from .fuse import CHUNK_BLOCKS, SEGMENT_MASK
-from .pool import BLOCK_SIDE, LABEL_BITS, LABEL_MASK, MAX_COUNT, ROW_MULTIPLE
+from .pool import (
+    BLOCK_SIDE,
+    BLOCK_VOXELS,
+    LABEL_BITS,
+    LABEL_MASK,
+    LAYER_VOXELS,
+    MAX_COUNT,
+    ROW_MULTIPLE,
+)
 from .wide_jit import wide_jit
+
+CHUNK_LAYERS = 512
+"""Layers a step of those that need all slots: half a step of blocks, since they are few."""
 
 
 def count_label(slots, label):
@@ -62,26 +73,34 @@ def count_leading_labels(
     first_segment: Int[Array, " chunks"],
     label_of_segment: UInt32[Array, " segments"],
     chunks: Int[Array, ""],
-) -> tuple[UInt32[Array, "capacity 512"], Bool[Array, " labelled"]]:
-    """`count_labels` of the blocks whose voxels all need their first slot alone.
+) -> tuple[UInt32[Array, "capacity 512"], Bool[Array, "labelled 8"]]:
+    """`count_labels` of the layers whose voxels all need their first slot alone.
 
     Most do, after some frames; that is a third of the memory traffic. The others are left as they
     are: the second result says which.
+
+    Args:
+        rows: Rows of the blocks; ``chunks`` chunks of `CHUNK_BLOCKS` are true, padding lies out of
+            range.
+        places: Places of the blocks in ``hits``.
+        first_segment: Where the segments of each chunk's map begin in ``label_of_segment``.
     """
-    see = _labels_seen(hits, frame, rows, places, first_segment, label_of_segment)
+    places = places + frame * hits.shape[1]
+    see = _labels_seen(hits.reshape(-1, BLOCK_VOXELS), places, first_segment, label_of_segment)
 
     def step(i, carry):
         leading, left = carry
-        chunk, label = see(i)
+        chunk, label = _part(rows, i, CHUNK_BLOCKS), see(i, CHUNK_BLOCKS)
         old = lax.optimization_barrier(jnp.take(leading, chunk, axis=0, mode="clip"))
         new, settled = lax.optimization_barrier(count_leading(old, label))
-        columns = settled.reshape(len(settled), -1, BLOCK_SIDE)  # "all" of the last axis is slow
-        whole = jnp.all(lax.optimization_barrier(jnp.all(columns, 1)), 1)
-        new = jnp.where(whole[:, None], new, old)
+        whole = _all_of_layers(settled)
+        keep = jnp.repeat(lax.optimization_barrier(whole), LAYER_VOXELS, axis=1)
+        new = jnp.where(keep, new, old)
         leading = leading.at[chunk].set(new, mode="drop", unique_indices=True)
-        return leading, lax.dynamic_update_slice(left, ~whole, (i * CHUNK_BLOCKS,))
+        return leading, lax.dynamic_update_slice(left, ~whole, (i * CHUNK_BLOCKS, 0))
 
-    return lax.fori_loop(0, chunks, step, (leading, jnp.zeros(rows.shape, bool)))
+    left = jnp.zeros((len(rows), BLOCK_SIDE), bool)
+    return lax.fori_loop(0, chunks, step, (leading, left))
 
 
 @functools.partial(wide_jit, donate_argnames=("labels",))
@@ -95,18 +114,20 @@ def count_labels(
     label_of_segment: UInt32[Array, " segments"],
     chunks: Int[Array, ""],
 ) -> tuple[UInt32[Array, "capacity 512"], ...]:
-    """Count the map label of the segment that each voxel saw (0 = no label).
+    """Count the map label of the segment that each voxel of some layers saw (0 = no label).
 
     Args:
-        rows: Rows of the blocks; ``chunks`` chunks of `CHUNK_BLOCKS` are true, padding lies out of
-            range.
-        places: Places of the blocks in ``hits``.
+        rows: Layers of the pool, 8 a block; ``chunks`` chunks of `CHUNK_LAYERS` are true, padding
+            lies out of range.
+        places: Places of the layers in ``hits``, 8 a block.
         first_segment: Where the segments of each chunk's map begin in ``label_of_segment``.
     """
-    see = _labels_seen(hits, frame, rows, places, first_segment, label_of_segment)
+    shape = labels[0].shape
+    places = places + frame * hits.shape[1] * BLOCK_SIDE
+    see = _labels_seen(hits.reshape(-1, LAYER_VOXELS), places, first_segment, label_of_segment)
 
     def step(i, labels):
-        chunk, label = see(i)
+        chunk, label = _part(rows, i, CHUNK_LAYERS), see(i, CHUNK_LAYERS)
         old = tuple(jnp.take(s, chunk, axis=0, mode="clip") for s in labels)
         old = lax.optimization_barrier(old)
         new = lax.optimization_barrier(count_label(old, label))
@@ -115,22 +136,33 @@ def count_labels(
             for s, n in zip(labels, new, strict=True)
         )
 
-    return lax.fori_loop(0, chunks, step, labels)
+    layers = tuple(s.reshape(-1, LAYER_VOXELS) for s in labels)
+    layers = lax.fori_loop(0, chunks, step, layers)
+    return tuple(s.reshape(shape) for s in layers)
 
 
-def _labels_seen(hits, frame, rows, places, first_segment, label_of_segment):
-    """Rows of a chunk, and the map label that each voxel saw."""
-    blocks = hits.shape[1]
-    flat = hits.reshape(-1, hits.shape[2])
+def _all_of_layers(settled):
+    """``[blocks, 512]`` to ``[blocks, 8]``; in steps, since XLA is slow along the last axis."""
+    for parts, side in ((2, 32), (4, BLOCK_SIDE)):
+        rows = settled.reshape(CHUNK_BLOCKS, BLOCK_SIDE, parts, side)
+        settled = lax.optimization_barrier(rows.all(2))
+    return settled.all(2)
 
-    def see(i):
-        start = i * CHUNK_BLOCKS
-        chunk = lax.dynamic_slice(rows, (start,), (CHUNK_BLOCKS,))
-        place = lax.dynamic_slice(places, (start,), (CHUNK_BLOCKS,)) + frame * blocks
-        seen = lax.optimization_barrier(jnp.take(flat, place, axis=0, mode="clip"))
+
+def _part(entries, i, size):
+    """Entries of a chunk."""
+    return lax.dynamic_slice(entries, (i * size,), (size,))
+
+
+def _labels_seen(hits, places, first_segment, label_of_segment):
+    """The map label that each voxel of a chunk saw."""
+
+    def see(i, size):
+        seen = jnp.take(hits, _part(places, i, size), axis=0, mode="clip")
+        seen = lax.optimization_barrier(seen)
         segment = (seen & SEGMENT_MASK).astype(jnp.int32)
         segment = lax.optimization_barrier(segment + first_segment[i])
-        return chunk, lax.optimization_barrier(label_of_segment[segment])
+        return lax.optimization_barrier(label_of_segment[segment])
 
     return see
 

@@ -119,7 +119,8 @@ class LabelFusion:
         for key, count in self.counts[gone].items():
             self.counts[keep][key] = self.counts[keep].get(key, 0) + count
         self.frames_seen[gone], self.counts[gone] = 0, {}
-        self.recount()
+        for label in (keep, gone):
+            self.shares.rewrite(label, self.counts[label])
         moved: dict[tuple[int, int], int] = {}
         for pair, frames in self.pair_frames.items():
             a, b = sorted(keep if label == gone else label for label in pair)
@@ -161,12 +162,8 @@ class LabelFusion:
             for (a, b), n in self.pair_frames.items()
             if keeps[a] and keeps[b]
         }
-        self.recount()
+        self.shares.renumber(kept)
         return new
-
-    def recount(self) -> None:
-        """Derive from the triplet counts what instances share, after they were rewritten."""
-        self.shares.recount(self.counts)
 
     def observe(
         self,
@@ -190,8 +187,13 @@ class LabelFusion:
         self.instances.count(touched)
         if self.settings.regulate:
             while (pair := self.instances.one_thing(self.shares, touched)) is not None:
-                self.instances.merge(*pair, self.counts)
-                self.recount()
+                self._merge_instances(*pair)
+
+    def _merge_instances(self, keep: int, gone: int) -> None:
+        labels = self.shares.labels_of(gone)
+        self.instances.merge(keep, gone, [self.counts[label] for label in labels])
+        for label in labels:
+            self.shares.rewrite(label, self.counts[label])
 
     def _keys(self, class_id: int, instance: int) -> list[tuple[int, int]]:
         if not class_id:

@@ -35,6 +35,8 @@ class PanopticMapper:
         frame_checks.check_camera(camera)
         self.camera = camera
         self.settings = settings or MappingSettings()
+        self.scale = _scale(self.settings)
+        """The lengths of this map, for the kernels."""
         self.state = MapState(self.settings)
         pool = empty_pool(self.state.blocks.capacity, self.settings.label_slots)
         self.fusion = Fusion(camera, self.scale, pool)
@@ -42,17 +44,6 @@ class PanopticMapper:
         """The frames so far, with the setting ``keep_frames``."""
         self._waiting: list[ReadyFrame] = []
         self._surface = SurfaceExtractor(self.settings)
-
-    @property
-    def scale(self) -> fuse.FusionScale:
-        """The lengths of this map, for the kernels."""
-        s = self.settings
-        return fuse.FusionScale(
-            voxel_m=s.voxel_size_m,
-            truncation_m=s.truncation_voxels * s.voxel_size_m,
-            label_band_m=min(s.label_band_voxels, s.truncation_voxels) * s.voxel_size_m,
-            max_weight=s.max_weight,
-        )
 
     @property
     def frames(self) -> int:
@@ -174,3 +165,13 @@ class PanopticMapper:
     def load(cls, path: Path) -> PanopticMapper:
         """The map of a checkpoint, with its camera and settings."""
         return checkpoint.load(cls, Path(path))
+
+
+def _scale(settings: MappingSettings) -> fuse.FusionScale:
+    return fuse.FusionScale(
+        voxel_m=settings.voxel_size_m,
+        truncation_m=settings.truncation_voxels * settings.voxel_size_m,
+        label_band_m=min(settings.label_band_voxels, settings.truncation_voxels)
+        * settings.voxel_size_m,
+        max_weight=settings.max_weight,
+    )

@@ -6,9 +6,9 @@ pool grows by doubling, on the host, and never drops a block in silence.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -19,6 +19,8 @@ from ..types import Array
 
 BLOCK_SIDE = 8
 BLOCK_VOXELS = BLOCK_SIDE**3
+LAYER_VOXELS = BLOCK_SIDE**2
+"""A block is 8 layers of 8 x 8 voxels."""
 
 ROW_MULTIPLE = 64
 """Capacities are multiples of this, so that a pool can be walked in equal parts."""
@@ -52,7 +54,9 @@ class OutOfMemory(MapError):
         self.kept = kept
 
 
-class VoxelPool(eqx.Module):
+@jax.tree_util.register_dataclass
+@dataclasses.dataclass(frozen=True, eq=False)
+class VoxelPool:
     """Signed distances, weights, colours and label counts of all blocks, a row a block."""
 
     sdf_m: Float[Array, "capacity 512"]

@@ -7,7 +7,6 @@ total(o) = sum_l Phi(l, o). Tallying them anew would cost as much as the map has
 from __future__ import annotations
 
 import collections
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -38,9 +37,29 @@ class Shares:
         here[instance] = old + frames
         self.total[instance] += frames
 
-    def recount(self, counts: Iterable[Triplets]) -> None:
-        """Start anew from all triplet counts."""
-        self.total, self.shared, self._of_label = collections.Counter(), {}, {}
-        for label, triplets in enumerate(counts):
-            for (_, instance), frames in sorted(triplets.items()):
-                self.count(label, instance, frames)
+    def labels_of(self, instance: int) -> list[int]:
+        """Labels that were ever this instance."""
+        return [label for label, here in self._of_label.items() if instance in here]
+
+    def rewrite(self, label: int, triplets: Triplets) -> None:
+        """All counts of a label are these from now on."""
+        self._withdraw(label)
+        for (_, instance), frames in triplets.items():
+            self.count(label, instance, frames)
+
+    def renumber(self, kept: list[int]) -> None:
+        """Label ``kept[i]`` is now ``i``; the others are gone."""
+        for label in self._of_label.keys() - set(kept):
+            self._withdraw(label)
+        self._of_label = {
+            i: self._of_label[label] for i, label in enumerate(kept) if label in self._of_label
+        }
+
+    def _withdraw(self, label: int) -> None:
+        here = list(self._of_label.pop(label, {}).items())
+        for i, (a, frames) in enumerate(here):
+            self.total[a] -= frames
+            for b, n in here[i + 1 :]:
+                both = min(frames, n)
+                self.shared[a][b] -= both
+                self.shared[b][a] -= both
