@@ -173,7 +173,7 @@ def fused_again(mapper, frames):
         posed = mapper.posed(frame, segments)
         T = np.linalg.inv(frame.T_world_camera.astype(float))
         tables = segments.class_id, segments.instance
-        fusion.fuse([state], [[ReadyFrame(posed.packed, T, rows, *tables)]])
+        fusion.fuse([state], [[ReadyFrame(posed.packed, T, rows, slice(0, 0), *tables)]])
     return np.asarray(fusion.pool.sdf_m)[:used], np.asarray(fusion.pool.weight)[:used]
 
 

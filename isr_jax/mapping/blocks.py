@@ -81,14 +81,11 @@ class BlockIndex:
         start = low - self.origin
         return tuple(slice(s, s + n) for s, n in zip(start.tolist(), extent.tolist(), strict=True))
 
-    def allocate(
-        self, coords: Int[np.ndarray, "active 3"], reserve: Callable[[int], None], generation: int
-    ) -> None:
+    def allocate(self, coords: Int[np.ndarray, "active 3"], reserve: Callable[[int], None]) -> None:
         """Give covered blocks rows where they have none: the next free ones.
 
         Args:
             reserve: Called with the capacity that the pool must have.
-            generation: Numbering of the labels that the new blocks will bear.
 
         Raises:
             MapError: with nothing changed, when they are more than ``max_blocks``, or by
@@ -101,7 +98,6 @@ class BlockIndex:
         reserve(capacity)
         self.resize(capacity)
         self.coords[start:end] = new
-        self.generation[start:end] = generation
         self.index_rows(start, end)
         self.used = end
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -41,9 +42,7 @@ VOTES = 1 << 15
 """Bit of a hit: the voxel lies within a voxel of the surface; its label votes."""
 
 
-@jax.tree_util.register_dataclass
-@dataclasses.dataclass(frozen=True, eq=False)
-class FusionScale:
+class FusionScale(eqx.Module):
     """Lengths and caps that only scale things; changing them compiles nothing."""
 
     voxel_m: float

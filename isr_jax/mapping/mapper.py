@@ -59,6 +59,7 @@ class PanopticMapper:
     @property
     def blocks(self) -> BlockIndex:
         """Which block lies in which row of `pool`."""
+        self.fusion.join()
         return self.state.blocks
 
     @property
@@ -70,6 +71,7 @@ class PanopticMapper:
     @property
     def step(self) -> int:
         """Rises with every change of voxels, renaming included; see `BlockIndex.stamp`."""
+        self.fusion.join()
         return self.state.step
 
     def integrate(self, frame: Frame, segments: FrameSegments) -> None:

@@ -54,6 +54,10 @@ class OutOfMemory(MapError):
         self.kept = kept
 
 
+LabelSlots = tuple[UInt32[Array, "capacity 512"], ...]
+"""Label slots of all voxels, the leading ones first."""
+
+
 @jax.tree_util.register_dataclass
 @dataclasses.dataclass(frozen=True, eq=False)
 class VoxelPool:
@@ -65,8 +69,8 @@ class VoxelPool:
     """0 = never seen."""
     color: UInt32[Array, "capacity 512"]
     """Red, green and blue in 10 bits each (8-bit value times 4), a running mean."""
-    labels: tuple[UInt32[Array, "capacity 512"], ...]
-    """Label slots, counts descending; 0 = empty."""
+    labels: LabelSlots
+    """Counts descending; 0 = empty."""
 
     @property
     def capacity(self) -> int:
@@ -83,7 +87,7 @@ def empty_pool(capacity: int, label_slots: int) -> VoxelPool:
     return VoxelPool(zeros(jnp.float32), zeros(jnp.float32), zeros(jnp.uint32), slots)
 
 
-def with_labels(pool: VoxelPool, labels: tuple[UInt32[Array, "capacity 512"], ...]) -> VoxelPool:
+def with_labels(pool: VoxelPool, labels: LabelSlots) -> VoxelPool:
     """The pool with other label slots."""
     return VoxelPool(pool.sdf_m, pool.weight, pool.color, labels)
 

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Int
 
 from . import label_slots
-from .pool import ROW_MULTIPLE, VoxelPool, with_labels
+from .pool import ROW_MULTIPLE, LabelSlots
 
 if TYPE_CHECKING:
     from .state import MapState
@@ -46,31 +46,31 @@ class Renaming:
         self.generation += 1
 
     def freshen(
-        self, pool: VoxelPool, state: MapState, rows: Int[np.ndarray, " blocks"]
-    ) -> VoxelPool:
-        """Today's labels in these rows of a map; takes the storage of ``pool``."""
+        self, labels: LabelSlots, state: MapState, rows: Int[np.ndarray, " blocks"]
+    ) -> LabelSlots:
+        """Today's labels in these rows of a map; takes the storage of ``labels``."""
         if not self._to_now:
-            return pool
+            return labels
         of_row = state.blocks.generation[rows]
         stale = rows[of_row < self.generation]
         if not len(stale):
-            return pool
+            return labels
         generations = sorted(self._to_now)
         tables = _padded_tables([self._to_now[g] for g in generations])
         size = max(ROW_MULTIPLE, 1 << (len(stale) - 1).bit_length())
-        padded = pool.capacity + np.arange(size, dtype=np.int32)
+        padded = len(labels[0]) + np.arange(size, dtype=np.int32)
         padded[: len(stale)] = stale + state.first_row
         table_of = np.zeros(size, np.int32)
         table_of[: len(stale)] = np.searchsorted(generations, state.blocks.generation[stale])
-        labels = label_slots.relabel(pool.labels, tables, padded, table_of, np.int32(len(stale)))
+        labels = label_slots.relabel(labels, tables, padded, table_of, np.int32(len(stale)))
         state.blocks.generation[stale] = self.generation
-        return with_labels(pool, labels)
+        return labels
 
-    def settle(self, pool: VoxelPool, state: MapState) -> VoxelPool:
-        """Today's labels in all rows of a map; takes the storage of ``pool``."""
-        pool = self.freshen(pool, state, np.arange(state.blocks.used, dtype=np.int32))
+    def settle(self, labels: LabelSlots, state: MapState) -> LabelSlots:
+        """Today's labels in all rows of a map; takes the storage of ``labels``."""
+        labels = self.freshen(labels, state, np.arange(state.blocks.used, dtype=np.int32))
         self._to_now = {}
-        return pool
+        return labels
 
 
 def _padded_tables(tables: list[np.ndarray]) -> np.ndarray:

@@ -43,6 +43,8 @@ class ReadyFrame:
     packed: PackedFrames
     T_camera_world: Float[np.ndarray, "4 4"]
     rows: Int[np.ndarray, " active"]
+    new_rows: slice
+    """Rows that it was the first to need."""
     class_id: Int[np.ndarray, " segments"]
     instance: Int[np.ndarray, " segments"]
 
@@ -61,10 +63,9 @@ class MapState:
         """Rises with every change of voxels, renaming included."""
         self.first_row = 0
 
-    @property
-    def is_crowded(self) -> bool:
-        """Whether it is time to forget labels."""
-        return self.frames % _FORGET_EVERY == 0 and self.labels.label_count >= _CROWD
+    def is_crowded(self, frames: int) -> bool:
+        """Whether it is time to forget labels, after so many frames."""
+        return frames % _FORGET_EVERY == 0 and self.labels.label_count >= _CROWD
 
     def ready(
         self,
@@ -83,8 +84,10 @@ class MapState:
             MapError: the map cannot grow (see `BlockIndex.allocate`); the frame leaves no trace.
         """
         T = frame.T_world_camera.astype(np.float64)
+        before = self.blocks.used
         rows = self._rows(frame, T, camera, scale, reserve)
-        return ReadyFrame(frame.packed, np.linalg.inv(T), rows, frame.class_id, frame.instance)
+        new_rows, tables = slice(before, self.blocks.used), (frame.class_id, frame.instance)
+        return ReadyFrame(frame.packed, np.linalg.inv(T), rows, new_rows, *tables)
 
     def _rows(self, frame: PosedFrame, T_world_camera, camera, scale, reserve):
         if not frame.farthest:
@@ -97,7 +100,7 @@ class MapState:
         part = self.blocks.part(window.low, window.extent)
         near = np.flatnonzero(flags & view.NEAR_SURFACE)
         coords = np.stack(np.unravel_index(near, flags.shape), -1).astype(np.int32) + window.low
-        self.blocks.allocate(coords, reserve, self.renaming.generation)
+        self.blocks.allocate(coords, reserve)
         rows = self.blocks.grid[part].reshape(-1)
         passes = self.blocks.passes[part]
         passes += ((flags & view.SEEN_EMPTY) > 0) & (passes < 255)
@@ -108,11 +111,12 @@ class MapState:
         touched[near] = True
         return rows[touched]
 
-    def observe(self, label_of: Int[np.ndarray, " segments"], frame: ReadyFrame) -> None:
-        """Count a fused frame, and now and then give merged labels their new numbers."""
+    def observe(
+        self, label_of: Int[np.ndarray, " segments"], frame: ReadyFrame, frames: int
+    ) -> None:
+        """Count a frame, and every so many ``frames`` give merged labels their new numbers."""
         self.labels.observe(label_of, frame.class_id, frame.instance)
-        self.frames += 1
-        if self.frames % _RENAME_EVERY:
+        if frames % _RENAME_EVERY:
             return
         new_label = self.labels.compact()
         if new_label is not None:
