@@ -44,20 +44,17 @@ class Stopwatch:
     core_s: dict[str, list[float]] = dataclasses.field(default_factory=dict)
     """Of all threads of the process."""
 
-    def time(self, name: str, work: Callable[..., T], *args: object) -> T:
-        """What ``work`` returns, once it is computed."""
+    def time(self, name: str, work: Callable[..., T], *args: object, items: int = 1) -> T:
+        """What ``work`` returns, once it is computed; its time counts for each of its ``items``."""
         wall, core = time.perf_counter(), time.process_time()
         result = jax.block_until_ready(work(*args))
-        self.wall_s.setdefault(name, []).append(time.perf_counter() - wall)
-        self.core_s.setdefault(name, []).append(time.process_time() - core)
+        self.wall_s.setdefault(name, []).append((time.perf_counter() - wall) / items)
+        self.core_s.setdefault(name, []).append((time.process_time() - core) / items)
         return result
 
-    def ms(self, name: str, *, core: bool = False, together: int = 1) -> float:
-        """Median milliseconds; of ``together`` calls that share their work, their mean."""
-        seconds = (self.core_s if core else self.wall_s)[name]
-        groups = max(1, len(seconds) // together)
-        shared = np.array_split(seconds[: groups * together], groups)
-        return 1000 * statistics.median(float(np.mean(group)) for group in shared)
+    def ms(self, name: str, *, core: bool = False) -> float:
+        """Median milliseconds of an item."""
+        return 1000 * statistics.median((self.core_s if core else self.wall_s)[name])
 
     def extra_ms(self, name: str, below: str, *, core: bool = False) -> float:
         """Median of what ``name`` takes longer than ``below`` did next to it, milliseconds."""

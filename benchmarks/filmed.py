@@ -57,12 +57,13 @@ def read_film(folder: Path, frames: int) -> Filmed:
     return Filmed(sequence, segmenter, fused)
 
 
-def integrated(mapper: PanopticMapper, frame: Frame, segments: FrameSegments) -> VoxelPool:
-    """Fuse a frame; the voxels, perhaps still being computed.
+def integrated(mapper: PanopticMapper, frames: FusedFrames) -> VoxelPool:
+    """Fuse frames, labels and all; the voxels, perhaps still being computed.
 
     Those of the last step: asking for `PanopticMapper.pool` would fuse what waits for its step.
     """
-    mapper.integrate(frame, segments)
+    for frame, segments in frames:
+        mapper.integrate(frame, segments)
     return mapper.fusion.pool
 
 

@@ -24,6 +24,8 @@ _RATIO, _LABEL_PERCENT = 2.0, 30.0
 _FINE_M = 0.02
 """They are made for voxels up to this size."""
 _OURS, _BARE = "ours", "ours, nothing to label"
+_RUN = 12
+"""Frames that each fuses before the next one's turn: ours overlaps a frame with the one before."""
 
 
 def fusion(
@@ -38,7 +40,7 @@ def fusion(
     height: int = 480,
     seed: int = 7,
 ) -> None:
-    """Time voxel fusion on a furnished room, interleaved with Open3D frame by frame.
+    """Time voxel fusion on a furnished room, in turns with Open3D, some frames each.
 
     Ours does everything: marks and allocates blocks, updates geometry and colour, frees what is
     seen through, votes, counts labels, decides on classes and instances. Open3D's VoxelBlockGrid
@@ -101,11 +103,9 @@ def _fusion_figures(
         _OURS: _ours(film.frames, mapper),
         _BARE: _ours(bare, _mapper(film, settings)),
     }
-    together = {}
     for variant, other in variants.items():
         name = f"ours, {variant}"
         work[name] = _ours(film.frames, _mapper(film, other))
-        together[name] = other.frames_per_step
         changed_blocks(film.frames, _mapper(film, other))  # compiles all that the film needs
     blocks = changed_blocks(film.frames, _mapper(film, settings))
     peers = _peers(film, settings)
@@ -113,7 +113,7 @@ def _fusion_figures(
     watch = _interleaved(work, len(film.frames))
     figures, wall_ms = [], watch.ms(_OURS)
     for core in (False, True):
-        ms = {name: watch.ms(name, core=core, together=together.get(name, 1)) for name in work}
+        ms = {name: watch.ms(name, core=core) for name in work}
         unit = "core ms a frame" if core else "ms a frame"
         figures += [Figure(name, value, unit, "lower") for name, value in ms.items()]
         labels_ms = watch.extra_ms(_OURS, _BARE, core=core)
@@ -142,13 +142,14 @@ def _ratios(
     return figures
 
 
-def _interleaved(work: dict[str, Callable[[int], object]], frames: int) -> Stopwatch:
-    """Each frame by each, in an order that turns, so that none always follows the same one."""
+def _interleaved(work: dict[str, Callable[[slice], object]], frames: int) -> Stopwatch:
+    """Each run of frames by each, in an order that turns, so that none always follows the same."""
     watch, names = Stopwatch(), list(work)
-    for index in range(frames):
-        turn = index % len(names)
+    for number, start in enumerate(range(0, frames, _RUN)):
+        run = slice(start, min(start + _RUN, frames))
+        turn = number % len(names)
         for name in names[turn:] + names[:turn]:
-            watch.time(name, work[name], index)
+            watch.time(name, work[name], run, items=run.stop - run.start)
     return watch
 
 
@@ -156,8 +157,8 @@ def _mapper(film: Filmed, settings: MappingSettings) -> PanopticMapper:
     return PanopticMapper(film.sequence.camera, settings)
 
 
-def _ours(frames: FusedFrames, mapper: PanopticMapper) -> Callable[[int], object]:
-    return lambda index: integrated(mapper, *frames[index])
+def _ours(frames: FusedFrames, mapper: PanopticMapper) -> Callable[[slice], object]:
+    return lambda run: integrated(mapper, frames[run])
 
 
 def _peers(film: Filmed, settings: MappingSettings) -> dict[str, Open3dMap]:
@@ -169,6 +170,6 @@ def _peers(film: Filmed, settings: MappingSettings) -> dict[str, Open3dMap]:
     return {f"Open3D, {side}^3 blocks": Open3dMap(camera, side, *lengths) for side in BLOCK_SIDES}
 
 
-def _theirs(film: Filmed, peer: Open3dMap) -> Callable[[int], object]:
+def _theirs(film: Filmed, peer: Open3dMap) -> Callable[[slice], object]:
     prepared = [peer.prepared(frame) for frame, _ in film.frames]
-    return lambda index: peer.integrate(prepared[index])
+    return lambda run: [peer.integrate(one) for one in prepared[run]]

@@ -34,7 +34,7 @@ def growth_figures(film: Filmed, settings: MappingSettings, count: int) -> list[
         frame, segments = film.frames[place]
         frame = _further(frame, room)
         start = time.perf_counter()
-        jax.block_until_ready(integrated(mapper, frame, segments))
+        jax.block_until_ready(integrated(mapper, [(frame, segments)]))
         seconds.append(time.perf_counter() - start)
         used.append(mapper.blocks.used)
     tenth = max(1, count // 10)

@@ -107,9 +107,9 @@ def _timed_parts(
         given = (frame, depth, mask, panoptic.class_id)
         watch.time(_MASKS, label_segments, *given, plain)
         segments = watch.time(_OUTLIERS, label_segments, *given, masks)
-        unlabelled = without_segments([(frame, segments)])[0]
-        watch.time(_VOXELS, integrated, bare, *unlabelled)
-        watch.time(_LABELS, integrated, mapper, frame, segments)
+        fused = [(frame, segments)]
+        watch.time(_VOXELS, integrated, bare, without_segments(fused))
+        watch.time(_LABELS, integrated, mapper, fused)
     return watch
 
 
