@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -26,6 +27,8 @@ _FINE_M = 0.02
 _OURS, _BARE = "ours", "ours, nothing to label"
 _RUN = 12
 """Frames that each fuses before the next one's turn: ours overlaps a frame with the one before."""
+_REST_S = 0.3
+"""Before each turn: the threads of the one before may wait for work in a busy loop."""
 
 
 def fusion(
@@ -149,6 +152,7 @@ def _interleaved(work: dict[str, Callable[[slice], object]], frames: int) -> Sto
         run = slice(start, min(start + _RUN, frames))
         turn = number % len(names)
         for name in names[turn:] + names[:turn]:
+            time.sleep(_REST_S)
             watch.time(name, work[name], run, items=run.stop - run.start)
     return watch
 
