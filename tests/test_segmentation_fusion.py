@@ -61,6 +61,18 @@ def test_a_cup_flush_with_the_table_is_cut_out():
     assert at(result, 10, 10) == ("table", 1)
 
 
+def test_a_window_flush_with_the_wall_is_cut_out():
+    """A tenth of the wall's segment: too little to split it, but the window lies there whole."""
+    segment, mask = blank() + 1, blank() + 1
+    mask[30:50, 40:70] = 2
+    result = label_segments(frame_of(FLAT), segment, mask, ids("wall", "window"), SETTINGS)
+    assert at(result, 40, 50) == ("window", 2)
+    assert at(result, 10, 10) == ("wall", 1)
+    papers = dataclasses.replace(SETTINGS, cut_out_stuff=False)
+    result = label_segments(frame_of(FLAT), segment, mask, ids("wall", "window"), papers)
+    assert at(result, 40, 50) == ("wall", 1), "the paper cuts out instances of things alone"
+
+
 def test_one_segment_over_two_monitors_is_divided():
     segment, mask = blank(), blank()
     segment[20:60, 10:90] = 1

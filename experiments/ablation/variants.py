@@ -105,6 +105,7 @@ VARIANTS: tuple[Variant, ...] = (
     _less("regulation", _REGULATE, "instances never merge"),
     _less("merging", _MERGE, "when segments merge, as in voxblox++"),
     _ours("filling", _in("segmentation", "fill_from_masks"), "pixels of no segment follow a mask"),
+    _ours("stuff cut out", _in("segmentation", "cut_out_stuff"), "as things are"),
     _ours("label band", _in("mapping", "label_band_voxels"), "labels only near the surface"),
     _ours("carving", _in("mapping", "carve"), "blocks that are seen through are freed"),
     _ours("shared labels", _in("mapping", "share_labels"), "pieces of one mask take one map label"),

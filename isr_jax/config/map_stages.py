@@ -65,6 +65,9 @@ class SegmentationSettings(Checked):
     cut_out_ratio: float = setting(
         0.5, "and is, if it covers less than this share of the segment", low=0.0, high=1.0
     )
+    cut_out_stuff: bool = setting(
+        True, "so may windows, pictures and rugs, flat as they lie on it (paper: only things)"
+    )
     majority_ratio: float = setting(
         0.2, "a segment whose best mask covers less is background", low=0.0, high=1.0
     )

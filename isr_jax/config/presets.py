@@ -16,7 +16,7 @@ from .settings import Settings
 
 _PAPER = Settings(
     preset="paper",
-    segmentation=SegmentationSettings(fill_from_masks=False),
+    segmentation=SegmentationSettings(fill_from_masks=False, cut_out_stuff=False),
     mapping=MappingSettings(
         label_band_voxels=4.0,
         carve=False,
@@ -78,7 +78,11 @@ _VOXBLOX = dataclasses.replace(
     _PAPER,
     preset="voxblox++",
     segmentation=SegmentationSettings(
-        fill_from_masks=False, bilateral=False, remove_outliers=False, majority_ratio=0.8
+        fill_from_masks=False,
+        cut_out_stuff=False,
+        bilateral=False,
+        remove_outliers=False,
+        majority_ratio=0.8,
     ),
     mapping=dataclasses.replace(
         _PAPER.mapping, counts="pairs", regulate=False, merge_overlap_ratio=0.1, merge_min_frames=2

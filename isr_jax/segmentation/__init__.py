@@ -14,7 +14,7 @@ from .sidecar import Sidecar, find_sidecar
 from .simulated import SimulatedSegmenter, TrueMasks
 from .true_views import TrueViews, read_true_views
 
-VERSION: int = 3
+VERSION: int = 4
 
 __all__ = [
     "LEVELS",

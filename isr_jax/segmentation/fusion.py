@@ -90,9 +90,10 @@ def _labels(
     """Mask whose label the pixels of each (segment, mask) pair take; -1 = none, 0 = background."""
     area, mask_area = counts.sum(1, keepdims=True), counts.sum(0, keepdims=True)
     enough = counts >= max(settings.min_piece_px, 1)
+    apart = np.isin(kinds, ("thing", "stuff") if settings.cut_out_stuff else ("thing",))
     cut_out = (
         enough
-        & (kinds == "thing")
+        & apart
         & (counts > settings.mask_in_segment_ratio * mask_area)
         & (counts < settings.cut_out_ratio * area)
     )

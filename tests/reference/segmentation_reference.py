@@ -86,6 +86,10 @@ def join_edges(label, depth_m, camera, window, distance_m):
 
 def piece_labels(segment, mask, kinds, small_px, settings):
     """Mask whose label each pixel takes (-1 none, 0 background): the rules of bilateral fusion."""
+
+    def apart(kind):
+        return kind == "thing" or (kind == "stuff" and settings.cut_out_stuff)
+
     result = np.full(segment.shape, -1)
     for s in range(1, segment.max() + 1):
         here = segment == s
@@ -94,7 +98,7 @@ def piece_labels(segment, mask, kinds, small_px, settings):
         total = {m: np.count_nonzero(mask == m) for m in range(len(kinds))}
         cut = {
             m for m in count
-            if m and kinds[m] == "thing" and count[m] >= settings.min_piece_px
+            if m and apart(kinds[m]) and count[m] >= settings.min_piece_px
             and count[m] > settings.mask_in_segment_ratio * total[m]
             and count[m] < settings.cut_out_ratio * area
         }  # fmt: skip
