@@ -8,13 +8,14 @@ alone and the mapper takes them in order, so the map is bit for bit that of one 
 from __future__ import annotations
 
 import functools
-from collections.abc import Generator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
 from typing import Any
 
 from . import datasets, mapping, segmentation
 from .config import Settings
 from .errors import FrameError, MapError, SegmenterError, SequenceError
+from .reporter import Reporter
 from .stage_runner import StageRunner
 from .types import Frame, FrameSegments, MappingResult, Sequence
 from .working_ahead import map_ahead
@@ -32,35 +33,65 @@ def fuse(
     runner: StageRunner,
 ) -> MappingResult:
     """Segment every frame and fuse it into one panoptic map; bad frames are skipped and counted."""
-    indices = _frame_indices(sequence, settings)
+    indices = frame_indices(sequence, settings)
     mapper, start, skipped = _resume(sequence, settings, runner)
     if start == 0:
-        _try_segmenter(sequence, segmenter, indices, settings)
+        try_segmenter(sequence, segmenter, indices, settings)
+    done, every = start, settings.mapping.checkpoint_every
     with closing(segmented_frames(sequence, indices[start:], segmenter, settings)) as ready:
-        for done, frame in enumerate(ready, start + 1):
-            try:
-                if isinstance(frame, FrameError):
-                    raise frame
-                mapper.integrate(*frame)
-            except FrameError as error:
-                skipped.append(error.problem)
-                runner.reporter.note(f"frame skipped: {error.problem}")
-                _refuse_too_many(skipped, len(indices), settings, error)
-            except MapError as error:
-                state = {"done": done - 1, "skipped": skipped}
-                raise _with_map_so_far(error, mapper, runner, state) from error
-            else:
-                if not frame[0].depth_m.any():
-                    runner.reporter.note(f"frame {frame[0].name} has no depth: nothing to fuse")
-            every = settings.mapping.checkpoint_every
-            if every and done % every == 0 and done < len(indices):
-                runner.checkpoint("mapping", mapper.save, {"done": done, "skipped": skipped})
-            runner.reporter.progress("mapping", done, len(indices))
+        fused = fuse_usable(
+            ready, mapper.integrate, skipped, len(indices), settings, runner.reporter
+        )
+        try:
+            for done, _ in enumerate(fused, start + 1):
+                if every and done % every == 0 and done < len(indices):
+                    state = {"done": done, "skipped": skipped}
+                    runner.checkpoint("mapping", mapper.save, state)
+                runner.reporter.progress("mapping", done, len(indices))
+        except MapError as error:
+            state = {"done": done, "skipped": skipped}
+            raise _with_map_so_far(error, mapper, runner, state) from error
     used = len(indices) - len(skipped)
     return MappingResult(mapper.surface(), used, tuple(skipped))
 
 
-def _try_segmenter(
+def fuse_usable(
+    frames: Iterable[tuple[Frame, FrameSegments] | FrameError],
+    integrate: Callable[[Frame, FrameSegments], None],
+    skipped: list[str],
+    total: int,
+    settings: Settings,
+    reporter: Reporter,
+) -> Iterator[None]:
+    """Fuse frames as they come, and skip those that cannot be used; yields after each.
+
+    Args:
+        frames: Of `segmented_frames`.
+        integrate: Takes each of them; may raise `FrameError`.
+        skipped: What is wrong with each skipped frame is added here.
+        total: Frames that there will be, those before these included.
+        settings: ``input.max_bad_fraction`` of them may be skipped.
+        reporter: Is told of each.
+
+    Raises:
+        SequenceError: more than that had to be skipped.
+    """
+    for frame in frames:
+        try:
+            if isinstance(frame, FrameError):
+                raise frame
+            integrate(*frame)
+        except FrameError as error:
+            skipped.append(error.problem)
+            reporter.note(f"frame skipped: {error.problem}")
+            _refuse_too_many(skipped, total, settings, error)
+        else:
+            if not frame[0].depth_m.any():
+                reporter.note(f"frame {frame[0].name} has no depth: nothing to fuse")
+        yield
+
+
+def try_segmenter(
     sequence: Sequence, segmenter: segmentation.Segmenter, indices: list[int], settings: Settings
 ) -> None:
     """Stop before the first frame is fused where no sampled frame has masks."""
@@ -106,8 +137,13 @@ def _segmented(
         return error
 
 
-def _frame_indices(sequence: Sequence, settings: Settings) -> list[int]:
-    indices = list(range(0, len(sequence), settings.input.stride))
+def frame_indices(sequence: Sequence, settings: Settings, start: int = 0) -> list[int]:
+    """Frames that are read, from ``start`` on; raises `SequenceError` where there are none."""
+    indices = list(range(start, len(sequence), settings.input.stride))
+    if start and not indices:
+        raise SequenceError(
+            f"{sequence.name} has {len(sequence)} frames: none from {start} on", "lower --start"
+        )
     return indices[: settings.input.max_frames or None]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +13,13 @@ from rich.table import Table
 
 from . import datasets, segmentation
 from .config import Settings, preset
-from .errors import FrameError, MapError, SequenceError
-from .fusing import segmented_frames
+from .errors import MapError
+from .fusing import frame_indices, fuse_usable, segmented_frames, try_segmenter
 from .live import LiveMap
 from .map_files import MapInstance, write_map
 from .reporter import Reporter, logged
 from .run_folder import RunFolder
-from .types import Frame, Sequence
+from .types import Frame, FrameSegments, Sequence
 
 MAP_FILE = "map.npz"
 
@@ -84,7 +84,7 @@ def make_map(
         reporter.stage("mapping", False)
         before, folder = live.frames, Path(out_dir) / "map"
         try:
-            skipped = tuple(_fuse(live, sequence, masks, T_map_sequence, start, reporter))
+            skipped = _fuse(live, sequence, masks, T_map_sequence, start, reporter)
         except BaseException:  # Ctrl-C too: what was fused is kept
             if live.frames > before:
                 _write(live, sequence, T_world, folder)
@@ -147,32 +147,20 @@ def _fuse(
     T_map_sequence: Float[np.ndarray, "4 4"],
     start: int,
     reporter: Reporter,
-) -> Iterator[str]:
-    """Add the frames from ``start`` on; yields what was wrong with each that is skipped."""
-    limits = live.settings.input
-    indices = list(range(start, len(sequence), limits.stride))[: limits.max_frames or None]
-    if not indices:
-        raise SequenceError(
-            f"{sequence.name} has {len(sequence)} frames: none from {start} on", "lower --start"
-        )
-    bad = 0
-    ready = segmented_frames(sequence, indices, masks, live.settings)
-    for done, frame in enumerate(ready, 1):
-        try:
-            if isinstance(frame, FrameError):
-                raise frame
-            live.mapper.integrate(_moved(frame[0], T_map_sequence), frame[1])
-        except FrameError as error:
-            bad += 1
-            reporter.note(f"frame skipped: {error.problem}")
-            if bad > limits.max_bad_fraction * len(indices):
-                raise SequenceError(
-                    f"{bad} of {len(indices)} frames cannot be used; the last: {error.problem}",
-                    "mend the sequence (`isr inspect` lists what is wrong), "
-                    "or raise input.max_bad_fraction",
-                ) from error
-            yield error.problem
-        reporter.progress("mapping", done, len(indices))
+) -> tuple[str, ...]:
+    """Add the frames from ``start`` on; what was wrong with each that is skipped."""
+    indices = frame_indices(sequence, live.settings, start)
+    try_segmenter(sequence, masks, indices, live.settings)
+
+    def integrate(frame: Frame, segments: FrameSegments) -> None:
+        live.mapper.integrate(_moved(frame, T_map_sequence), segments)
+
+    skipped: list[str] = []
+    with closing(segmented_frames(sequence, indices, masks, live.settings)) as ready:
+        fused = fuse_usable(ready, integrate, skipped, len(indices), live.settings, reporter)
+        for done, _ in enumerate(fused, 1):
+            reporter.progress("mapping", done, len(indices))
+    return tuple(skipped)
 
 
 def _moved(frame: Frame, T: Float[np.ndarray, "4 4"]) -> Frame:
