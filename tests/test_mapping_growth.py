@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from isr_jax.errors import FrameError, MapError
-from isr_jax.mapping import MapBatch, PanopticMapper, pool, view
+from isr_jax.mapping import MapBatch, PanopticMapper, labels, pool, view
 from isr_jax.types import Camera
 
 from .mapping_films import SETTINGS, assert_same_map, film, fused
@@ -72,6 +72,19 @@ def test_without_memory_the_map_so_far_is_whole(field, monkeypatch, tmp_path):
     for pair in frames[fitted:]:  # with memory again it goes on as if nothing had happened
         mapper.integrate(*pair)
     assert_same_map(mapper, fused(frames))
+
+
+def test_too_many_labels_stop_the_map_and_leave_its_geometry(monkeypatch):
+    """Labels are counted behind the caller's back; the error comes with the next question."""
+    frames = film(4)
+    mapper = fused(frames[:2])
+    monkeypatch.setattr(labels, "LABEL_MASK", mapper.labels.label_count)
+    monkeypatch.setattr(labels, "assign_labels", lambda votes, *_: np.zeros_like(votes.total))
+    mapper.integrate(*frames[2])
+    with pytest.raises(MapError, match="the map has given"):
+        mapper.finish()
+    assert len(mapper.surface().mesh.faces) > 0, "what was fused can be asked and saved"
+    assert mapper.frames == 3
 
 
 def test_a_batch_without_memory_keeps_its_maps(monkeypatch):

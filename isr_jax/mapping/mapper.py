@@ -80,7 +80,8 @@ class PanopticMapper:
         Raises:
             FrameError: this frame cannot be fused; the map is as before and goes on with others.
             MapError: the map outgrows ``max_blocks`` or the memory; the frame leaves no trace, and
-                the map so far can be used and saved.
+                the map so far can be used and saved. Or the frame before gave too many labels:
+                these are counted while this one is fused.
         """
         self._add(self.posed(frame, segments))
 
