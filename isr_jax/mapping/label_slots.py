@@ -19,6 +19,7 @@ from .pool import (
     LAYER_VOXELS,
     MAX_COUNT,
     ROW_MULTIPLE,
+    LabelSlots,
 )
 from .wide_jit import wide_jit
 
@@ -105,7 +106,7 @@ def count_leading_labels(
 
 @functools.partial(wide_jit, donate_argnames=("labels",))
 def count_labels(
-    labels: tuple[UInt32[Array, "capacity 512"], ...],
+    labels: LabelSlots,
     hits: UInt16[Array, "frames blocks 512"],
     frame: Int[Array, ""],
     rows: Int[Array, " labelled"],
@@ -113,7 +114,7 @@ def count_labels(
     first_segment: Int[Array, " chunks"],
     label_of_segment: UInt32[Array, " segments"],
     chunks: Int[Array, ""],
-) -> tuple[UInt32[Array, "capacity 512"], ...]:
+) -> LabelSlots:
     """Count the map label of the segment that each voxel of some layers saw (0 = no label).
 
     Args:
@@ -191,12 +192,12 @@ def leading_somewhere(
 
 @functools.partial(jax.jit, donate_argnames=("labels",))
 def relabel(
-    labels: tuple[UInt32[Array, "capacity 512"], ...],
+    labels: LabelSlots,
     tables: UInt32[Array, "tables labels"],
     rows: Int[Array, " blocks"],
     table_of: Int[Array, " blocks"],
     count: Int[Array, ""],
-) -> tuple[UInt32[Array, "capacity 512"], ...]:
+) -> LabelSlots:
     """Give every label its new number in the first ``count`` of some rows of the pool.
 
     Slots of a voxel that become one label add up; slots are in order of counts, then of labels, so
