@@ -14,6 +14,8 @@ HOW_TO_GET = (
     "Open3D is not installed: ours alone. For the peers: pip install open3d scikit-image "
     "(and apt-get install libusb-1.0-0, which Open3D loads)"
 )
+_START_BLOCKS = 1 << 15
+"""Room for the film at 1 cm, so that it need not grow; ours starts with as many there."""
 _BYTES_A_VOXEL = 8
 """Distance and weight, float32."""
 
@@ -37,7 +39,7 @@ class Open3dMap:
         float32, one = self._core.float32, self._core.SizeVector([1])
         device = self._core.Device("CPU:0")
         self._grid = o3d.t.geometry.VoxelBlockGrid(
-            ("tsdf", "weight"), (float32, float32), (one, one), voxel_m, side, 1 << 14, device
+            ("tsdf", "weight"), (float32, float32), (one, one), voxel_m, side, _START_BLOCKS, device
         )
 
     def prepared(self, frame: Frame):

@@ -14,7 +14,6 @@ from isr_jax.classes import class_named
 from isr_jax.config import MappingSettings
 from isr_jax.mapping.association import one_to_one
 from isr_jax.mapping.labels import LabelFusion
-from isr_jax.mapping.pool import LABEL_BITS, LABEL_MASK
 from isr_jax.mapping.votes import Votes, assign_labels, count_votes, overlapping_pairs
 
 CHAIR, TABLE, DESK, FLOOR = (class_named(n).id for n in ("chair", "table", "desk", "floor"))
@@ -49,14 +48,23 @@ def with_labels(count, **changes) -> LabelFusion:
 
 
 def test_votes_are_counted_and_merged_labels_vote_for_what_they_became():
-    hits = np.full((2, 512), LABEL_MASK, np.uint32)
-    hits[0, :7] = (3 << LABEL_BITS) | 2
-    hits[1, :4] = (3 << LABEL_BITS) | 5
-    hits[1, 4:9] = (1 << LABEL_BITS) | 0
-    hits[1, 9:12] = (1 << LABEL_BITS) | LABEL_MASK  # labelled, but no vote
-    votes = count_votes(hits, np.array([0, 1, 2, 3, 4, 2]), 4)
+    became = np.array([0, 1, 2, 3, 4, 2])
+    cast = [(3, 2)] * 7 + [(3, 5)] * 4 + [(1, 0)] * 5 + [(0, 0)] * 3  # segment 0: no vote
+    ballots = np.array([segment * len(became) + label for segment, label in cast], np.uint32)
+    votes = count_votes(ballots, became, 4)
     assert votes.total.tolist() == [0, 5, 0, 11]
     assert [(s, l, c) for s, l, c in zip(votes.segment, votes.label, votes.count)] == [(3, 2, 11)]
+
+
+def test_votes_of_a_large_table_are_counted_alike(monkeypatch):
+    ballots = np.random.default_rng(0).integers(0, 40 * 300, 5000).astype(np.uint32)
+    became = np.maximum(np.arange(300) - 7, 0)
+    dense = count_votes(ballots, became, 40)
+    monkeypatch.setattr("isr_jax.mapping.votes._LARGEST_TABLE", 100)
+    sparse = count_votes(ballots, became, 40)
+    for field in ("segment", "label", "count", "total"):
+        assert np.array_equal(getattr(dense, field), getattr(sparse, field))
+    assert dense.total.sum() == (ballots >= 300).sum()
 
 
 @settings(max_examples=50, deadline=None)

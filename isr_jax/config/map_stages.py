@@ -125,7 +125,7 @@ class MappingSettings(Checked):
     )
     max_weight: float = setting(1e4, "cap of a voxel's TSDF weight", low=1.0)
     block_capacity: int = setting(
-        16384, "blocks of 8^3 voxels to start with; doubles when full", low=64, static=True
+        0, "blocks of 8^3 voxels to start with; doubles when full; 0: a room's", low=0, static=True
     )
     max_blocks: int = setting(262144, "bound of the capacity", low=64)
     frames_per_step: int = setting(

@@ -1,15 +1,20 @@
 """The voxel kernel: depth and colour of some frames fused into the blocks that they touch.
 
-Measured rules shape this module: an optimisation barrier between index computation and gather
-(fused, XLA does not vectorise them: 1.8 times slower); a loop over chunks of blocks whose trip
-count follows the real number (temporaries stay in cache, padding costs nothing); donated pools (a
-fresh pool a frame costs more than the fusion); and frames of one step in the inner loop, so that
-a block is read and written once for all of them. A chunk belongs to one map: several maps fuse in
-one call as chunks of one stacked pool.
+Measured rules shape this module:
+
+- Intermediate values are written into scratch arrays that the loop carries. That keeps XLA from
+  fusing index computation with gathers (not vectorised then: 1.8 times slower), and from splitting
+  each of a chunk's 15 small kernels over all cores: on two cores that took 25 core ms where one
+  thread takes 14, and hardly less time. The other cores count labels, decode and segment.
+- A loop over chunks of blocks, as many as there are: temporaries stay in a core's cache, and
+  padding costs nothing.
+- Donated pools: a fresh pool a frame costs more than the fusion.
+- The frames of a step in the inner loop, so that a block is read and written once for all of them.
+
+A chunk belongs to one map: several maps fuse in one call as chunks of one stacked pool.
 
 The limit: a voxel of an active block moves 26 bytes (distance, weight and colour read and written,
-its hit written), 1.7 ns of the 6.1 ns that it takes on one core with 256-bit vectors. Projection
-takes 0.8 ns, each of the two gathers 0.8 ns, the running means the rest: arithmetic, not memory.
+its hit written), 1.7 ns of the 4.5 ns that it takes on one core.
 """
 
 from __future__ import annotations
@@ -21,25 +26,28 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
-from jaxtyping import Bool, Float, Int, UInt8, UInt16, UInt32
+from jaxtyping import Bool, Float, Int, UInt16
 
 from ..types import Array, Camera
-from .pool import BLOCK_SIDE, BLOCK_VOXELS, DEPTH_STEP_M, SEGMENT_BITS, VOXEL_OFFSETS, VoxelPool
+from .packing import DEPTH_STEP_M, SEGMENT_BITS, SEGMENT_MASK, PackedFrames
+from .pool import BLOCK_SIDE, BLOCK_VOXELS, VOXEL_OFFSETS, VoxelPool
 from .wide_jit import wide_jit
 
-CHUNK_BLOCKS = 128
-"""Blocks a step: 66,000 voxels. Up to four times as many are as fast, and pad small frames more."""
+CHUNK_BLOCKS = 32
+"""Blocks a step: 64 KB of each temporary. A quarter as many are as fast, four times slower."""
 NEAR_M = 0.05
 """Voxels nearer to the camera plane are not updated."""
 _OUT_OF_VIEW_M = 1e6
 """Behind any return."""
 
-SEGMENT_MASK = (1 << SEGMENT_BITS) - 1
-"""Bits of a hit: the segment where the voxel is to be labelled, else 0."""
-CHANGED = 1 << 14
+CHANGED = 1
 """Bit of a hit: distance or colour changed (more weight on free space is no change)."""
-VOTES = 1 << 15
+VOTES = 2
 """Bit of a hit: the voxel lies within a voxel of the surface; its label votes."""
+SEGMENT_SHIFT = 2
+"""Above these bits: the segment where the voxel is to be labelled, else 0."""
+LABELLED = 1 << SEGMENT_SHIFT
+"""The least hit of a voxel that is to be labelled."""
 
 
 class FusionScale(eqx.Module):
@@ -49,16 +57,6 @@ class FusionScale(eqx.Module):
     truncation_m: float
     label_band_m: float
     max_weight: float
-
-
-@jax.tree_util.register_dataclass
-@dataclasses.dataclass(frozen=True, eq=False)
-class PackedFrames:
-    """Frames as flat images."""
-
-    words: UInt32[Array, "frames pixels"]
-    """Depth in `DEPTH_STEP_M` and segment."""
-    color: UInt32[Array, "frames pixels"]
 
 
 @jax.tree_util.register_dataclass
@@ -75,26 +73,6 @@ class ChunkedBlocks:
     owner: Int[Array, " chunks"]
     """Map of each chunk."""
     chunks: Int[Array, ""]
-
-
-@jax.jit
-def pack_frame(
-    depth_m: Float[Array, "height width"],
-    segment: Int[Array, "height width"],
-    color: UInt8[Array, "height width 3"],
-) -> PackedFrames:
-    """Depth and segment in one word, so that one gather serves both."""
-    steps = jnp.round(depth_m / DEPTH_STEP_M).astype(jnp.int32).astype(jnp.uint32)
-    words = (steps << SEGMENT_BITS) | segment.astype(jnp.uint32)
-    rgb = color.astype(jnp.uint32) << 2
-    packed = (rgb[..., 0] << 20) | (rgb[..., 1] << 10) | rgb[..., 2] | 1  # 0 means no colour
-    return PackedFrames(words.reshape(1, -1), packed.reshape(1, -1))
-
-
-@jax.jit
-def join_frames(frames: list[PackedFrames]) -> PackedFrames:
-    """Several packed frames as one."""
-    return jax.tree.map(lambda *images: jnp.concatenate(images), *frames)
 
 
 def voxel_corners(
@@ -114,7 +92,10 @@ def voxel_places(
 
 
 def pixel_of(x, y, z, camera: Camera):
-    """Flat pixel of camera points, z, 1 / z, and |ray| / z; out of view the first pixel, z far."""
+    """Flat pixel of camera points, z, 1 / z, and |ray| / z; out of view the first pixel, z far.
+
+    Write the pixels out before gathering with them, by `lax.optimization_barrier` at least.
+    """
     inverse = 1.0 / jnp.maximum(z, NEAR_M)
     xn, yn = x * inverse, y * inverse
     u = jnp.floor(xn * camera.fx + (camera.cx + 0.5))
@@ -122,7 +103,7 @@ def pixel_of(x, y, z, camera: Camera):
     inside = (z > NEAR_M) & (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height)
     flat = (v * camera.width + u).astype(jnp.int32)
     index, z = jnp.where(inside, flat, 0), jnp.where(inside, z, _OUT_OF_VIEW_M)
-    return lax.optimization_barrier((index, z, inverse, jnp.sqrt(1.0 + xn * xn + yn * yn)))
+    return index, z, inverse, jnp.sqrt(1.0 + xn * xn + yn * yn)
 
 
 def observation_weight(inverse_z, sdf_m, scale: FusionScale):
@@ -135,21 +116,52 @@ def _blend_color(old, new, share, update):
     """Running mean of each 10-bit channel; a voxel without a colour (0) takes the first whole."""
     share = jnp.where(old == 0, 1.0, share)
     out = jnp.zeros_like(old)
-    for shift in (20, 10, 0):
+    for shift, byte in ((20, 0), (10, 8), (0, 16)):
+        quarters = ((new >> byte) & 255) << 2
+        if not shift:
+            quarters = quarters | 1  # black is a colour too
         a = ((old >> shift) & 1023).astype(jnp.int32).astype(jnp.float32)
-        b = ((new >> shift) & 1023).astype(jnp.int32).astype(jnp.float32)
+        b = quarters.astype(jnp.int32).astype(jnp.float32)
         out = out | (jnp.round(a + (b - a) * share).astype(jnp.int32).astype(jnp.uint32) << shift)
     return jnp.where(update, out, old)
 
 
-def _fuse_chunk(fields, images, base, local, active, camera: Camera, scale: FusionScale):
+def _scratch():
+    """Arrays for a chunk's intermediate values; see `_kept`."""
+
+    def arrays(*dtypes):
+        return tuple(jnp.zeros((CHUNK_BLOCKS + 1, BLOCK_VOXELS), dtype) for dtype in dtypes)
+
+    number, index, word = jnp.float32, jnp.int32, jnp.uint32
+    return {
+        "old": arrays(number, number, word),
+        "projected": arrays(index, number, number, number),
+        "returns": arrays(word, word),
+        "new": arrays(number, number, word),
+    }
+
+
+def _kept(scratch, name, values):
+    """Values of a chunk, written to scratch arrays.
+
+    These hold a row more than they need, or XLA would write to fresh arrays.
+    """
+    kept = [
+        lax.dynamic_update_slice(array, value, (0, 0))
+        for array, value in zip(scratch[name], values, strict=True)
+    ]
+    scratch[name] = tuple(lax.optimization_barrier(kept))
+    return tuple(array[:CHUNK_BLOCKS] for array in scratch[name])
+
+
+def _fuse_chunk(scratch, fields, images, base, local, active, camera: Camera, scale: FusionScale):
     """New fields of some blocks after one frame, and the hit of each voxel."""
     words, colors, first_pixel = images
     sdf_old, weight_old, color_old = fields
     x, y, z = (base[k][:, None] + local[k][None, :] for k in range(3))
-    index, z, inverse_z, ray = pixel_of(x, y, z, camera)
-    index = lax.optimization_barrier(index + first_pixel)
-    word, color = lax.optimization_barrier((words[index], colors[index]))
+    index, *rest = pixel_of(x, y, z, camera)
+    index, z, inverse_z, ray = _kept(scratch, "projected", (index + first_pixel, *rest))
+    word, color = _kept(scratch, "returns", (words[index], colors[index]))
     depth = (word >> SEGMENT_BITS).astype(jnp.int32).astype(jnp.float32) * DEPTH_STEP_M
     sdf = (depth - z) * ray
     near = (depth > 0) & (sdf > -scale.truncation_m) & active[:, None]
@@ -164,10 +176,9 @@ def _fuse_chunk(fields, images, base, local, active, camera: Camera, scale: Fusi
     segment = jnp.where(near & (jnp.abs(sdf) < scale.label_band_m), word & SEGMENT_MASK, 0)
     votes = near & (jnp.abs(sdf) < scale.voxel_m) & ((word & SEGMENT_MASK) > 0)
     freed = near & ((weight_old == 0) | (sdf_old < scale.truncation_m))
-    hits = segment | jnp.where(votes, jnp.uint32(VOTES), 0)
+    hits = (segment << SEGMENT_SHIFT) | jnp.where(votes, jnp.uint32(VOTES), 0)
     hits = hits | jnp.where(on_surface | freed, jnp.uint32(CHANGED), 0)
-    new = (sdf_new, weight_new, color_new)
-    return lax.optimization_barrier((new, hits.astype(jnp.uint16)))
+    return (sdf_new, weight_new, color_new), hits.astype(jnp.uint16)
 
 
 def fuse_blocks(
@@ -197,31 +208,33 @@ def fuse_blocks(
     words, colors = packed.words.reshape(-1), packed.color.reshape(-1)
 
     def step(i, carry):
-        fields, hits, flags = carry
+        fields, hits, flags, scratch = carry
         start = i * CHUNK_BLOCKS
         rows = lax.dynamic_slice(blocks.rows, (start,), (CHUNK_BLOCKS,))
-        chunk = tuple(jnp.take(f, rows, axis=0, mode="clip") for f in fields)
-        chunk = lax.optimization_barrier(chunk)
+        chunk = [jnp.take(f, rows, axis=0, mode="clip") for f in fields]
+        chunk = _kept(scratch, "old", chunk)
         for k in range(frames):
             first = (blocks.owner[i] * frames + k) * pixels
             base = lax.dynamic_slice(blocks.base_m[k], (0, start), (3, CHUNK_BLOCKS))
             active = lax.dynamic_slice(blocks.active[k], (start,), (CHUNK_BLOCKS,))
             local = local_m[blocks.owner[i], k]
             images = (words, colors, first)
-            chunk, seen = _fuse_chunk(chunk, images, base, local, active, camera, scale)
-            hits = lax.dynamic_update_slice(hits, seen[None], (k, start, 0))
-            any_of = lax.reduce(seen, np.uint16(0), lax.bitwise_or, (1,))
-            flags = lax.dynamic_update_slice(flags, any_of[None], (k, start))
+            chunk, seen = _fuse_chunk(scratch, chunk, images, base, local, active, camera, scale)
+            seen = lax.dynamic_update_slice(hits, seen[None], (k, start, 0))
+            chunk, hits = _kept(scratch, "new", chunk), lax.optimization_barrier(seen)
+            seen = lax.dynamic_slice(hits, (k, start, 0), (1, CHUNK_BLOCKS, BLOCK_VOXELS))
+            any_of = lax.reduce(seen, np.uint16(0), lax.bitwise_or, (2,))
+            flags = lax.dynamic_update_slice(flags, any_of, (k, start))
         put = [
             f.at[rows].set(n, mode="drop", unique_indices=True)
             for f, n in zip(fields, chunk, strict=True)
         ]
-        return tuple(put), hits, flags
+        return tuple(put), hits, flags, scratch
 
     flags = jnp.zeros(hits.shape[:2], jnp.uint16)
     fields = (pool.sdf_m, pool.weight, pool.color)
-    fields, hits, flags = lax.fori_loop(0, blocks.chunks, step, (fields, hits, flags))
-    sdf_m, weight, color = fields
+    carry = lax.fori_loop(0, blocks.chunks, step, (fields, hits, flags, _scratch()))
+    (sdf_m, weight, color), hits, flags, _ = carry
     return VoxelPool(sdf_m, weight, color, pool.labels), hits, flags
 
 

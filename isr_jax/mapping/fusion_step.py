@@ -9,22 +9,22 @@ from __future__ import annotations
 import dataclasses
 from concurrent.futures import Future, ThreadPoolExecutor
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Int, UInt16
 
 from ..types import Array, Camera
 from . import ballots, fuse, label_slots
+from .ballots import CHUNK_VOXELS
 from .fuse import CHUNK_BLOCKS
-from .label_slots import CHUNK_LAYERS
-from .pool import BLOCK_SIDE, BLOCK_VOXELS, OutOfMemory, VoxelPool, grown_pool, with_labels
+from .packing import join_frames
+from .pool import BLOCK_VOXELS, OutOfMemory, VoxelPool, grown_pool, with_labels
 from .state import MapState, ReadyFrame
-from .votes import Votes, count_votes
+from .votes import count_votes
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class _Chunks:
-    """Rows of several maps, each map's filled up to whole chunks."""
+    """Rows (or places) of several maps, each map's filled up to whole chunks."""
 
     rows: Int[np.ndarray, " blocks"]
     """Padding lies out of range, each entry once."""
@@ -51,13 +51,19 @@ def _chunked(parts: list[np.ndarray], out_of_range: int, chunk: int = CHUNK_BLOC
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class _Step:
-    """Frames whose geometry is fused, and what their voxels saw."""
+    """Frames of a step, and the blocks that they update."""
 
     states: list[MapState]
     frames: list[list[ReadyFrame]]
     first: list[int]
     """Frames that each map had before."""
     chunks: _Chunks
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Seen:
+    """What the voxels of a step saw (see `fuse.fuse_blocks`)."""
+
     hits: UInt16[Array, "frames blocks 512"]
     flags: UInt16[np.ndarray, "frames blocks"]
 
@@ -65,8 +71,9 @@ class _Step:
 class Fusion:
     """Owns the voxels of one or more maps, and fuses ready frames into them.
 
-    Geometry does not ask for labels, so those of a step are counted in a thread of their own while
-    the next step's frames are prepared and fused: two cores are busy, and the map is the same.
+    Two threads work behind `fuse`, and the map is the same as without them: geometry does not ask
+    for labels, so the voxels of one step are fused while the labels of the one before are counted
+    and the caller prepares the next.
 
     Args:
         pool: Voxels of the maps, one map's rows after the other's.
@@ -79,13 +86,14 @@ class Fusion:
         self.camera, self.scale, self.parts = camera, scale, parts
         self._voxels, self._labels = _without_labels(pool), pool.labels
         self._spare_hits: UInt16[Array, "frames blocks 512"] | None = None
-        self._ballots = jnp.zeros((0, BLOCK_VOXELS), jnp.uint32)
-        self._helper = ThreadPoolExecutor(1, thread_name_prefix="labels")
-        self._labelling: Future[UInt16[Array, "frames blocks 512"]] | None = None
+        self._fuser = ThreadPoolExecutor(1, thread_name_prefix="voxels")
+        self._labeller = ThreadPoolExecutor(1, thread_name_prefix="labels")
+        self._fusing: Future[_Seen] | None = None
+        self._labelling: Future[None] | None = None
 
     @property
     def pool(self) -> VoxelPool:
-        """The voxels, once the labels of all steps are counted."""
+        """The voxels, once all steps are fused and their labels counted."""
         self.join()
         return with_labels(self._voxels, self._labels)
 
@@ -110,23 +118,26 @@ class Fusion:
             raise
 
     def fuse(self, states: list[MapState], frames: list[list[ReadyFrame]]) -> None:
-        """Fuse the frames of each map, equally many; their segments are named in the background.
+        """Fuse the frames of each map, equally many, in the background.
 
         What goes wrong there is raised by the next call that waits for it: `fuse`, `join`, `pool`.
         """
-        chunks, hits, flags = self._geometry(states, frames)
+        step, images, blocks, local_m = self._step(states, frames)
+        hits, self._spare_hits = self._spare_hits, None
+        fusing = self._fuser.submit(self._fuse_voxels, hits, images, blocks, local_m)
         self.join()
-        first = [state.frames for state in states]
         for state in states:
             state.frames += len(frames[0])
-        step = _Step(states, frames, first, chunks, hits, flags)
-        self._labelling = self._helper.submit(self._label_step, step)
+        self._fusing = fusing
+        self._labelling = self._labeller.submit(self._label_step, step, fusing)
 
     def join(self) -> None:
-        """Wait until the labels of all steps are counted."""
+        """Wait until all steps are fused and their labels counted."""
+        fusing, self._fusing = self._fusing, None
         labelling, self._labelling = self._labelling, None
-        if labelling is not None:
-            self._spare_hits = labelling.result()
+        if fusing is not None and labelling is not None:
+            labelling.result()
+            self._spare_hits = fusing.result().hits
 
     def settle(self, state: MapState) -> None:
         """Write today's label numbers into all voxels of a map."""
@@ -148,8 +159,8 @@ class Fusion:
         if new_label is not None:
             state.renaming.rename(new_label)
 
-    def _geometry(self, states: list[MapState], frames: list[list[ReadyFrame]]):
-        """All frames into the union of their blocks; flags a frame and block of the union."""
+    def _step(self, states: list[MapState], frames: list[list[ReadyFrame]]):
+        """A step, and what its voxels are fused from: the union of the blocks of its frames."""
         count = len(frames[0])
         unions = [_union([frame.rows for frame in of_map]) for of_map in frames]
         parts = [rows + state.first_row for (rows, _), state in zip(unions, states, strict=True)]
@@ -165,86 +176,88 @@ class Fusion:
                 base_m[k, :, span] = fuse.voxel_corners(T, state.blocks.coords[rows], voxel_m)
                 local_m[i, k] = fuse.voxel_places(T, voxel_m)
         images = [frame.packed for of_map in frames for frame in of_map]
-        packed = images[0] if len(images) == 1 else fuse.join_frames(images)
-        work = fuse.ChunkedBlocks(chunks.rows, base_m, active, chunks.owner, chunks.chunks)
-        hits, self._spare_hits = self._spare_hits, None
-        if hits is None or hits.shape[:2] != active.shape:
-            hits = fuse.fresh_hits(*active.shape)
-        self._voxels, hits, flags = fuse.fuse_frames(
-            self._voxels, hits, packed, work, local_m, self.camera, self.scale
-        )
-        return chunks, hits, np.asarray(flags)
+        blocks = fuse.ChunkedBlocks(chunks.rows, base_m, active, chunks.owner, chunks.chunks)
+        first = [state.frames for state in states]
+        return _Step(states, frames, first, chunks), images, blocks, local_m
 
-    def _label_step(self, step: _Step) -> UInt16[Array, "frames blocks 512"]:
-        """Labels of all frames of a step; gives the storage of its hits back."""
+    def _fuse_voxels(self, hits, images, blocks: fuse.ChunkedBlocks, local_m) -> _Seen:
+        """Geometry of all frames of a step; ``hits`` is storage, if it is of the right size."""
+        packed = images[0] if len(images) == 1 else join_frames(images)
+        if hits is None or hits.shape[:2] != blocks.active.shape:
+            hits = fuse.fresh_hits(*blocks.active.shape)
+        self._voxels, hits, flags = fuse.fuse_frames(
+            self._voxels, hits, packed, blocks, local_m, self.camera, self.scale
+        )
+        return _Seen(hits, np.asarray(flags))
+
+    def _label_step(self, step: _Step, fusing: Future[_Seen]) -> None:
+        """Labels of all frames of a step, once its voxels are fused."""
+        seen = fusing.result()
         for k in range(len(step.frames[0])):
-            self._label(step, k)
+            self._label(step, seen, k)
         for state in step.states:
             if state.renaming.is_long:
                 self._settle(state)
-        return step.hits
 
-    def _label(self, step: _Step, k: int) -> None:
+    def _label(self, step: _Step, seen: _Seen, k: int) -> None:
         """Votes of frame ``k`` of each map, names of its segments, counts of its voxels."""
-        chunks, flags = step.chunks, step.flags[k]
+        chunks, flags = step.chunks, seen.flags[k]
         frames = [of_map[k] for of_map in step.frames]
-        labelled = (flags & (fuse.VOTES | fuse.SEGMENT_MASK)) > 0
         for state, frame, span in zip(step.states, frames, chunks.spans, strict=True):
             rows = chunks.rows[span] - state.first_row
             state.step += 1
             state.blocks.generation[frame.new_rows] = state.renaming.generation
             state.blocks.stamp[rows[(flags[span] & fuse.CHANGED) > 0]] = state.step
-            self._labels = state.renaming.freshen(self._labels, state, rows[labelled[span]])
-        votes = self._votes(step, frames, k, (flags & fuse.VOTES) > 0)
+            stale = rows[flags[span] >= fuse.LABELLED]
+            self._labels = state.renaming.freshen(self._labels, state, stale)
+        voxels, labelled, votes = self._votes(step, seen.hits, k)
         label_of = [
             state.labels.name_segments(found, frame.class_id, frame.instance)
             for state, frame, found in zip(step.states, frames, votes, strict=True)
         ]
-        self._count(step, k, (flags & fuse.SEGMENT_MASK) > 0, label_of)
+        self._count(voxels, labelled, label_of)
         for i, (state, frame, names) in enumerate(zip(step.states, frames, label_of, strict=True)):
             number = step.first[i] + k + 1
             state.observe(names, frame, number)
             if state.is_crowded(number):
                 self._forget_labels(state)
 
-    def _votes(self, step: _Step, frames, k: int, votes) -> list[Votes]:
-        places, some = _some_of(step.chunks, votes, self._voxels.capacity)
-        if len(self._ballots) != len(some.rows):
-            self._ballots = jnp.zeros((len(some.rows), BLOCK_VOXELS), jnp.uint32)
-        self._ballots, *layers = ballots.cast_votes(
-            self._labels[0],
-            step.hits,
-            np.array(k, np.int32),
-            some.rows,
-            places,
-            some.chunks,
-            self._ballots,
+    def _votes(self, step: _Step, hits: UInt16[Array, "frames blocks 512"], k: int):
+        """The voxels of each map that frame ``k`` labels, what they saw, and their votes."""
+        seen, blocks = np.asarray(hits)[k], step.chunks
+        parts = [ballots.labelled(seen[s]) + s.start * BLOCK_VOXELS for s in blocks.spans]
+        voxels = _chunked(parts, seen.size, CHUNK_VOXELS)
+        canonical = [state.labels.canonical for state in step.states]
+        labels = np.array([len(known) for known in canonical], np.uint32)[voxels.owner]
+        frame, chunks = np.array(k, np.int32), voxels.chunks
+        labelled, cast = ballots.cast_votes(
+            self._labels[0], hits, frame, blocks.rows, voxels.rows, labels, chunks
         )
-        cast = [np.asarray(table) for table in (self._ballots, *layers)]
-        found = []
-        for state, frame, span in zip(step.states, frames, some.spans, strict=True):
-            ballot, often = ballots.counted(*(table[span] for table in cast))
-            segments = len(frame.class_id)
-            found.append(count_votes(ballot, state.labels.canonical, segments, often))
-        return found
+        cast = np.asarray(cast)
+        votes = [
+            count_votes(cast[span], known, len(of_map[k].class_id))
+            for of_map, known, span in zip(step.frames, canonical, voxels.spans, strict=True)
+        ]
+        return voxels, labelled, votes
 
-    def _count(self, step: _Step, k: int, labelled, label_of) -> None:
-        """Layers that need the first slots alone, then the others."""
+    def _count(
+        self, voxels: _Chunks, labelled: ballots.SeenVoxels, label_of: list[np.ndarray]
+    ) -> None:
+        """Voxels that need their first slots alone, then the others."""
         total = sum(len(names) for names in label_of)
         table = np.zeros(max(64, 1 << max(total - 1, 0).bit_length()), np.uint32)
         table[:total] = np.concatenate(label_of)
         first = np.cumsum([0, *(len(names) for names in label_of[:-1])]).astype(np.int32)
-        frame, capacity = np.array(k, np.int32), self._voxels.capacity
-        places, some = _some_of(step.chunks, labelled, capacity)
         leading, *others = self._labels
         leading, left = label_slots.count_leading_labels(
-            leading, step.hits, frame, some.rows, places, first[some.owner], table, some.chunks
+            leading, labelled, first[voxels.owner], table, voxels.chunks
         )
         self._labels = (leading, *others)
-        among, rest = _some_of(some, np.asarray(left), capacity)
-        places = places[among // BLOCK_SIDE] * BLOCK_SIDE + among % BLOCK_SIDE
+        left = np.asarray(left)
+        parts = [np.flatnonzero(left[span]) + span.start for span in voxels.spans]
+        rest = _chunked(parts, len(left), CHUNK_VOXELS)
         self._labels = label_slots.count_labels(
-            self._labels, step.hits, frame, rest.rows, places, first[rest.owner], table, rest.chunks
+            self._labels, labelled, rest.rows, first[rest.owner], table, rest.chunks
         )
 
 
@@ -260,19 +273,3 @@ def _union(rows: list[np.ndarray]):
     touched = np.zeros((len(rows), len(union)), bool)
     touched[np.repeat(np.arange(len(rows)), [len(r) for r in rows]), inverse] = True
     return union, touched
-
-
-def _some_of(chunks: _Chunks, keep, capacity: int) -> tuple[np.ndarray, _Chunks]:
-    """The entries that are kept, in chunks of their own, and their places among all.
-
-    Args:
-        keep: A value a row; or one a part of a row, then the rows found are numbers of parts.
-    """
-    parts = keep[0].size
-    places = [span.start * parts + np.flatnonzero(keep[span]) for span in chunks.spans]
-    rows = [chunks.rows[p // parts] * parts + p % parts for p in places]
-    some = _chunked(rows, capacity * parts, CHUNK_BLOCKS if parts == 1 else CHUNK_LAYERS)
-    padded = np.zeros(len(some.rows), np.int32)
-    for span, place in zip(some.spans, places, strict=True):
-        padded[span] = place
-    return padded, some

@@ -8,19 +8,16 @@ from collections.abc import Iterator
 import cv2
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, Int, Shaped, UInt32
+from jaxtyping import Float, Int, Shaped
 
 from ..errors import MapError
 from ..types import Camera
-from .fuse import SEGMENT_MASK, PackedFrames
-from .pool import SEGMENT_BITS
+from .packing import SEGMENT_BITS, SEGMENT_MASK, PackedFrames, packed_color
 from .state import PosedFrame
 
 _FAST = [cv2.IMWRITE_PNG_COMPRESSION, 1]
 _MILLIMETRE = 10
 """Steps of depth; most sensors give whole millimetres, and those fit 16 bits."""
-_CHANNELS = (20, 10, 0)
-"""Where red, green and blue stand in a packed colour."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -54,14 +51,13 @@ class KeptFrames:
     def append(self, frame: PosedFrame) -> None:
         """Keep one more frame."""
         words = np.asarray(frame.packed.words)[0].reshape(self.shape)
-        color = np.asarray(frame.packed.color)[0].reshape(self.shape)
+        rgba = np.asarray(frame.packed.color).view(np.uint8).reshape(*self.shape, 4)
         depth = words >> SEGMENT_BITS
         unit = 1 if np.any(depth % _MILLIMETRE) else _MILLIMETRE
         depth = depth // unit
-        rgb = np.stack([(color >> shift) & 1023 for shift in _CHANNELS], -1) >> 2
         images = [
             (words & SEGMENT_MASK).astype(np.uint16),
-            rgb.astype(np.uint8),
+            rgba[..., :3],
             (depth & 0xFFFF).astype(np.uint16),
         ]
         if depth.max() > 0xFFFF:
@@ -84,20 +80,16 @@ def _png(image: Shaped[np.ndarray, "height width *channels"]) -> bytes:
     return png.tobytes()
 
 
-def _image(png: bytes) -> UInt32[np.ndarray, "height width *channels"]:
+def _image(png: bytes) -> Shaped[np.ndarray, "height width *channels"]:
     image = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_UNCHANGED)
     if image is None:
         raise MapError("a kept frame is broken", "map the sequence anew")
-    return image.astype(np.uint32)
+    return image
 
 
 def _packed(frame: KeptFrame) -> PackedFrames:
-    """The words and colours of `fuse.pack_frame`, bit for bit."""
-    segment, rgb, depth, *high = (_image(png) for png in frame.images)
-    if high:
-        depth = depth | (high[0] << 16)
+    """The words and colours of `packing.pack_frame`, bit for bit."""
+    segment, color, *steps = (_image(png) for png in frame.images)
+    depth = sum(image.astype(np.uint32) << (16 * i) for i, image in enumerate(steps))
     words = (depth * np.uint32(frame.depth_unit) << SEGMENT_BITS) | segment
-    color = np.ones(words.shape, np.uint32)  # 0 means no colour
-    for k, shift in enumerate(_CHANNELS):
-        color |= rgb[..., k] << (shift + 2)
-    return PackedFrames(jnp.asarray(words.reshape(1, -1)), jnp.asarray(color.reshape(1, -1)))
+    return PackedFrames(jnp.asarray(words.reshape(1, -1)), packed_color(color))

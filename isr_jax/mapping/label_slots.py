@@ -7,24 +7,12 @@ import functools
 import jax
 import jax.numpy as jnp
 from jax import lax
-from jaxtyping import Bool, Int, UInt16, UInt32
+from jaxtyping import Bool, Int, UInt32
 
 from ..types import Array
-from .fuse import CHUNK_BLOCKS, SEGMENT_MASK
-from .pool import (
-    BLOCK_SIDE,
-    BLOCK_VOXELS,
-    LABEL_BITS,
-    LABEL_MASK,
-    LAYER_VOXELS,
-    MAX_COUNT,
-    ROW_MULTIPLE,
-    LabelSlots,
-)
+from .ballots import CHUNK_VOXELS, SeenVoxels, part
+from .pool import LABEL_BITS, LABEL_MASK, MAX_COUNT, ROW_MULTIPLE, LabelSlots
 from .wide_jit import wide_jit
-
-CHUNK_LAYERS = 512
-"""Layers a step of those that need all slots: half a step of blocks, since they are few."""
 
 
 def count_label(slots, label):
@@ -55,117 +43,87 @@ def count_label(slots, label):
 
 
 def count_leading(slot, label):
-    """`count_label` where the first slot holds the label, or nothing yet; and whether it does."""
+    """`count_label` where the first slot holds the label, or nothing yet; and whether it does.
+
+    Other slots stay as they are.
+    """
     one = jnp.uint32(1 << LABEL_BITS)
     count = slot >> LABEL_BITS
     known = (slot & LABEL_MASK) == label
     new = jnp.where(known & (count > 0), slot + jnp.where(count < MAX_COUNT, one, 0), label | one)
     settled = known | (count == 0) | (label == 0)
-    return jnp.where(label > 0, new, slot), settled
+    return jnp.where(settled & (label > 0), new, slot), settled
 
 
 @functools.partial(wide_jit, donate_argnames=("leading",))
 def count_leading_labels(
     leading: UInt32[Array, "capacity 512"],
-    hits: UInt16[Array, "frames blocks 512"],
-    frame: Int[Array, ""],
-    rows: Int[Array, " labelled"],
-    places: Int[Array, " labelled"],
+    seen: SeenVoxels,
     first_segment: Int[Array, " chunks"],
     label_of_segment: UInt32[Array, " segments"],
     chunks: Int[Array, ""],
-) -> tuple[UInt32[Array, "capacity 512"], Bool[Array, "labelled 8"]]:
-    """`count_labels` of the layers whose voxels all need their first slot alone.
+) -> tuple[UInt32[Array, "capacity 512"], Bool[Array, " voxels"]]:
+    """`count_labels` of the voxels that need their first slot alone.
 
     Most do, after some frames; that is a third of the memory traffic. The others are left as they
     are: the second result says which.
 
     Args:
-        rows: Rows of the blocks; ``chunks`` chunks of `CHUNK_BLOCKS` are true, padding lies out of
-            range.
-        places: Places of the blocks in ``hits``.
         first_segment: Where the segments of each chunk's map begin in ``label_of_segment``.
+        chunks: True chunks of `CHUNK_VOXELS`.
     """
-    places = places + frame * hits.shape[1]
-    see = _labels_seen(hits.reshape(-1, BLOCK_VOXELS), places, first_segment, label_of_segment)
 
     def step(i, carry):
         leading, left = carry
-        chunk, label = _part(rows, i, CHUNK_BLOCKS), see(i, CHUNK_BLOCKS)
-        old = lax.optimization_barrier(jnp.take(leading, chunk, axis=0, mode="clip"))
-        new, settled = lax.optimization_barrier(count_leading(old, label))
-        whole = _all_of_layers(settled)
-        keep = jnp.repeat(lax.optimization_barrier(whole), LAYER_VOXELS, axis=1)
-        new = jnp.where(keep, new, old)
-        leading = leading.at[chunk].set(new, mode="drop", unique_indices=True)
-        return leading, lax.dynamic_update_slice(left, ~whole, (i * CHUNK_BLOCKS, 0))
+        some = jax.tree.map(lambda entries: part(entries, i), seen)
+        label = _label_of(some.segment, first_segment[i], label_of_segment)
+        new, settled = lax.optimization_barrier(count_leading(some.leading, label))
+        at = leading.at[some.row, some.voxel]
+        leading = at.set(new, mode="drop", unique_indices=True)
+        return leading, lax.dynamic_update_slice(left, ~settled, (i * CHUNK_VOXELS,))
 
-    left = jnp.zeros((len(rows), BLOCK_SIDE), bool)
+    left = jnp.zeros(len(seen.row), bool)
     return lax.fori_loop(0, chunks, step, (leading, left))
 
 
 @functools.partial(wide_jit, donate_argnames=("labels",))
 def count_labels(
     labels: LabelSlots,
-    hits: UInt16[Array, "frames blocks 512"],
-    frame: Int[Array, ""],
-    rows: Int[Array, " labelled"],
-    places: Int[Array, " labelled"],
+    seen: SeenVoxels,
+    places: Int[Array, " some"],
     first_segment: Int[Array, " chunks"],
     label_of_segment: UInt32[Array, " segments"],
     chunks: Int[Array, ""],
 ) -> LabelSlots:
-    """Count the map label of the segment that each voxel of some layers saw (0 = no label).
+    """Count the map label of the segment that each of some voxels saw (0 = no label).
 
     Args:
-        rows: Layers of the pool, 8 a block; ``chunks`` chunks of `CHUNK_LAYERS` are true, padding
+        places: Of the voxels in ``seen``; ``chunks`` chunks of `CHUNK_VOXELS` are true, padding
             lies out of range.
-        places: Places of the layers in ``hits``, 8 a block.
         first_segment: Where the segments of each chunk's map begin in ``label_of_segment``.
     """
-    shape = labels[0].shape
-    places = places + frame * hits.shape[1] * BLOCK_SIDE
-    see = _labels_seen(hits.reshape(-1, LAYER_VOXELS), places, first_segment, label_of_segment)
+    capacity = len(labels[0])
 
     def step(i, labels):
-        chunk, label = _part(rows, i, CHUNK_LAYERS), see(i, CHUNK_LAYERS)
-        old = tuple(jnp.take(s, chunk, axis=0, mode="clip") for s in labels)
-        old = lax.optimization_barrier(old)
-        new = lax.optimization_barrier(count_label(old, label))
+        some = part(places, i)
+        row = jnp.take(seen.row, some, mode="fill", fill_value=capacity)
+        voxel, segment = (jnp.take(e, some, mode="clip") for e in (seen.voxel, seen.segment))
+        row, voxel, segment = lax.optimization_barrier((row, voxel, segment))
+        label = _label_of(segment, first_segment[i], label_of_segment)
+        old = tuple(s.at[row, voxel].get(mode="clip") for s in labels)
+        new = lax.optimization_barrier(count_label(lax.optimization_barrier(old), label))
         return tuple(
-            s.at[chunk].set(n, mode="drop", unique_indices=True)
+            s.at[row, voxel].set(n, mode="drop", unique_indices=True)
             for s, n in zip(labels, new, strict=True)
         )
 
-    layers = tuple(s.reshape(-1, LAYER_VOXELS) for s in labels)
-    layers = lax.fori_loop(0, chunks, step, layers)
-    return tuple(s.reshape(shape) for s in layers)
+    return lax.fori_loop(0, chunks, step, labels)
 
 
-def _all_of_layers(settled):
-    """``[blocks, 512]`` to ``[blocks, 8]``; in steps, since XLA is slow along the last axis."""
-    for parts, side in ((2, 32), (4, BLOCK_SIDE)):
-        rows = settled.reshape(CHUNK_BLOCKS, BLOCK_SIDE, parts, side)
-        settled = lax.optimization_barrier(rows.all(2))
-    return settled.all(2)
-
-
-def _part(entries, i, size):
-    """Entries of a chunk."""
-    return lax.dynamic_slice(entries, (i * size,), (size,))
-
-
-def _labels_seen(hits, places, first_segment, label_of_segment):
-    """The map label that each voxel of a chunk saw."""
-
-    def see(i, size):
-        seen = jnp.take(hits, _part(places, i, size), axis=0, mode="clip")
-        seen = lax.optimization_barrier(seen)
-        segment = (seen & SEGMENT_MASK).astype(jnp.int32)
-        segment = lax.optimization_barrier(segment + first_segment[i])
-        return lax.optimization_barrier(label_of_segment[segment])
-
-    return see
+def _label_of(segment, first_segment, label_of_segment):
+    """The map label of each segment of a map."""
+    place = lax.optimization_barrier(segment + first_segment)
+    return lax.optimization_barrier(jnp.take(label_of_segment, place, mode="clip"))
 
 
 @functools.partial(jax.jit, static_argnames=("size",))

@@ -15,7 +15,8 @@ from .blocks import BlockIndex
 from .fusion_step import Fusion
 from .kept_frames import KeptFrames
 from .labels import LabelFusion
-from .pool import DEPTH_STEP_M, VoxelPool, empty_pool
+from .packing import DEPTH_STEP_M, pack_frame
+from .pool import VoxelPool, empty_pool
 from .state import MapState, PosedFrame, ReadyFrame
 from .surface import SurfaceExtractor
 
@@ -88,7 +89,7 @@ class PanopticMapper:
     def posed(self, frame: Frame, segments: FrameSegments) -> PosedFrame:
         """The frame checked and packed; raises `FrameError`."""
         depth_m, segment = frame_checks.checked(frame, segments, self.camera)
-        packed = fuse.pack_frame(depth_m, segment, frame.color)
+        packed = pack_frame(depth_m, segment, frame.color)
         farthest = int(np.rint(depth_m.max() / DEPTH_STEP_M))
         # Copies: frames wait and are kept, and the caller may use the arrays again.
         tables = frame.T_world_camera, segments.class_id, segments.instance

@@ -19,9 +19,6 @@ from ..types import Array
 
 BLOCK_SIDE = 8
 BLOCK_VOXELS = BLOCK_SIDE**3
-LAYER_VOXELS = BLOCK_SIDE**2
-"""A block is 8 layers of 8 x 8 voxels."""
-
 ROW_MULTIPLE = 64
 """Capacities are multiples of this, so that a pool can be walked in equal parts."""
 
@@ -30,12 +27,6 @@ LABEL_BITS = 20
 LABEL_MASK = (1 << LABEL_BITS) - 1
 MAX_COUNT = (1 << (32 - LABEL_BITS)) - 1
 """Counts saturate here."""
-
-SEGMENT_BITS = 12
-"""A frame's word holds ``depth << SEGMENT_BITS | segment``."""
-MAX_SEGMENTS = (1 << SEGMENT_BITS) - 1
-DEPTH_STEP_M = 1e-4
-"""Depth is packed in tenths of a millimetre: 20 bits reach 104 m."""
 
 VOXEL_OFFSETS = np.stack(
     np.meshgrid(*[np.arange(BLOCK_SIDE, dtype=np.int32)] * 3, indexing="ij"), -1

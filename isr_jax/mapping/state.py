@@ -12,11 +12,14 @@ from ..config import MappingSettings
 from ..types import Camera
 from . import view
 from .blocks import BlockIndex
-from .fuse import FusionScale, PackedFrames
+from .fuse import FusionScale
 from .labels import LabelFusion
-from .pool import DEPTH_STEP_M
+from .packing import DEPTH_STEP_M, PackedFrames
+from .pool import BLOCK_SIDE
 from .renaming import Renaming
 
+_ROOM_M2, _LEAST_START, _MOST_START = 200.0, 1 << 14, 1 << 16
+"""Surface of a furnished room, whose blocks a map has from the start, within bounds."""
 _CROWD = 128
 _FORGET_EVERY = 256
 """From so many labels on, those that lead no voxel are forgotten every so many frames."""
@@ -54,7 +57,8 @@ class MapState:
 
     def __init__(self, settings: MappingSettings) -> None:
         self.settings = settings
-        self.blocks = BlockIndex(settings.block_capacity, settings.max_blocks)
+        capacity = settings.block_capacity or _room_blocks(settings.voxel_size_m)
+        self.blocks = BlockIndex(capacity, settings.max_blocks)
         self.labels = LabelFusion(settings)
         self.renaming = Renaming()
         self.frames = 0
@@ -121,3 +125,9 @@ class MapState:
         new_label = self.labels.compact()
         if new_label is not None:
             self.renaming.rename(new_label)
+
+
+def _room_blocks(voxel_size_m: float) -> int:
+    """Blocks of 8^3 voxels that a room needs, as a power of two."""
+    blocks = int(_ROOM_M2 / (BLOCK_SIDE * voxel_size_m) ** 2)
+    return min(max(_LEAST_START, 1 << (blocks - 1).bit_length()), _MOST_START)

@@ -18,7 +18,8 @@ from jaxtyping import Float, Int, UInt8, UInt32
 from ..errors import FrameError
 from ..types import Array, Camera
 from .fuse import FusionScale, pixel_of
-from .pool import BLOCK_SIDE, DEPTH_STEP_M, SEGMENT_BITS
+from .packing import DEPTH_STEP_M, SEGMENT_BITS
+from .pool import BLOCK_SIDE
 
 NEAR_SURFACE = 1
 """Flag of a block within the truncation distance of a return."""
@@ -143,7 +144,7 @@ def _free_blocks(depth_m, T, camera, scale, extent, size):
         ix, iy = _divided(column, extent[1], size)
         at = [c.astype(jnp.float32) for c in (ix, iy, iz)]
         x, y, z = (first[k] + sum(at[j] * step[j, k] for j in range(3)) for k in range(3))
-        index, z, _, ray = pixel_of(x, y, z, camera)
+        index, z, _, ray = lax.optimization_barrier(pixel_of(x, y, z, camera))
         reach = camera.fx * half * ray / jnp.maximum(z - half, 1e-3)
         tile = lax.optimization_barrier(_tile_of(index, reach, camera, layout))
         behind, least = lax.optimization_barrier((depth[index], tiles[tile]))
@@ -171,18 +172,26 @@ def _least_depth(depth_m):
     It is 0 where the tiles reach out of the image or one of them lacks returns (a lone pixel
     without one is a speckle). The last entry is 0.
     """
-    height, width = (side // _TILE for side in depth_m.shape)
-    tiles = depth_m[: height * _TILE, : width * _TILE].reshape(height, _TILE, width, _TILE)
-    known = tiles > 0
-    nearest = jnp.where(known, tiles, np.inf).min((1, 3))
-    least = jnp.where(known.sum((1, 3)) > _TILE * _TILE // 2, nearest, 0.0)
+    known = depth_m > 0
+    nearest = _of_tiles(jnp.where(known, depth_m, np.inf), jnp.minimum)
+    number = _of_tiles(known.astype(jnp.uint8), jnp.add)
+    least = jnp.where(number > _TILE * _TILE // 2, nearest, 0.0)
+    height, width = least.shape
     parts, reached = [], 0
     for reach in _REACHES:
         for axis in (0, 1):
-            least = _nearer_within(least, reach - reached, reached, axis)
+            least = lax.optimization_barrier(_nearer_within(least, reach - reached, reached, axis))
         parts.append(least.reshape(-1))
         reached = reach
     return jnp.concatenate([*parts, jnp.zeros(1)]), (height, width)
+
+
+def _of_tiles(image, combine):
+    """Pixels of each whole tile combined; as slices, since XLA reduces slowly along memory."""
+    height, width = (side // _TILE * _TILE for side in image.shape)
+    rows = functools.reduce(combine, [image[i:height:_TILE, :width] for i in range(_TILE)])
+    rows = lax.optimization_barrier(rows)
+    return functools.reduce(combine, [rows[:, i::_TILE] for i in range(_TILE)])
 
 
 def _nearer_within(least, step: int, reached: int, axis: int):

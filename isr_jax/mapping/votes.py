@@ -8,7 +8,9 @@ import numpy as np
 from jaxtyping import Int, UInt32
 
 from .association import one_to_one
-from .pool import LABEL_BITS, LABEL_MASK
+
+_LARGEST_TABLE = 1 << 22
+"""Counts of segments and labels; a larger table takes longer than sorting the ballots."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -24,35 +26,35 @@ class Votes:
 
 
 def count_votes(
-    ballots: UInt32[np.ndarray, "*ballots"],
+    ballots: UInt32[np.ndarray, " ballots"],
     canonical: Int[np.ndarray, " labels"],
     segments: int,
-    often: Int[np.ndarray, " ballots"] | None = None,
 ) -> Votes:
-    """Tally ballots (`ballots.cast_votes`); merged labels vote for the label they became.
+    """Tally ballots; merged labels vote for the label they became.
 
     Args:
-        ballots: ``segment << LABEL_BITS | label``; `LABEL_MASK` for a label is no vote.
-        often: How often each ballot was cast; once, if not given.
+        ballots: ``segment * labels + label`` (`ballots.cast_votes`); segment 0 does not vote.
+        segments: Their number, 0 included.
     """
-    flat = ballots.reshape(-1)
-    cast = (flat & LABEL_MASK) != LABEL_MASK
-    flat = flat[cast]
-    weights = None if often is None else often[cast]
-    segment = (flat >> LABEL_BITS).astype(np.intp)
-    label = canonical[flat & LABEL_MASK]
-    present = np.zeros(len(canonical), bool)
-    present[label] = True
-    found = np.flatnonzero(present)
-    place = np.zeros(len(canonical), np.intp)
-    place[found] = np.arange(len(found))
-    width = max(len(found), 1)
-    table = np.bincount(segment * width + place[label], weights, minlength=segments * width)
-    table = table.astype(np.int64).reshape(segments, width)
-    total = table.sum(1)
+    labels = len(canonical)
+    cast, often = _counted(ballots, segments * labels)
+    voting = cast >= labels
+    segment, label = np.divmod(cast[voting], labels)
+    found, column = np.unique(canonical[label], return_inverse=True)
+    table = np.zeros((segments, len(found)), np.int64)
+    np.add.at(table, (segment, column), often[voting])
     columns = np.flatnonzero(found > 0)
     rows, kept = np.nonzero(table[:, columns])
-    return Votes(rows, found[columns[kept]], table[rows, columns[kept]], total)
+    return Votes(rows, found[columns[kept]], table[rows, columns[kept]], table.sum(1))
+
+
+def _counted(values, end: int):
+    """The values below ``end`` that occur, and how often."""
+    if end > _LARGEST_TABLE:
+        return np.unique(values, return_counts=True)
+    table = np.bincount(values, minlength=end)
+    occur = np.flatnonzero(table)
+    return occur, table[occur]
 
 
 def assign_labels(
