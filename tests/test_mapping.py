@@ -185,6 +185,13 @@ def test_two_runs_give_the_same_bits(frames, mapped):
     assert all(np.array_equal(a, b) for a, b in zip(mapped.pool.labels, again.pool.labels))
 
 
+def test_the_size_of_a_chunk_changes_nothing(frames, mapped, monkeypatch):
+    monkeypatch.setattr("isr_jax.mapping.fuse._CHUNK_BLOCKS", {"cpu": 96})
+    other = fused(frames)
+    for name in ("sdf_m", "weight", "color"):
+        assert np.array_equal(getattr(mapped.pool, name), getattr(other.pool, name))
+
+
 def test_pool_grows_without_changing_the_map(frames, mapped):
     small = fused(frames, dataclasses.replace(SETTINGS, block_capacity=64))
     assert small.blocks.capacity > 64

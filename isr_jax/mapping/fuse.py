@@ -31,10 +31,12 @@ from jaxtyping import Bool, Float, Int, UInt16
 from ..types import Array, Camera
 from .packing import DEPTH_STEP_M, SEGMENT_BITS, SEGMENT_MASK, PackedFrames
 from .pool import BLOCK_SIDE, BLOCK_VOXELS, VOXEL_OFFSETS, VoxelPool
-from .wide_jit import wide_jit
+from .wide_jit import platform_of, wide_jit
 
-CHUNK_BLOCKS = 32
-"""Blocks a step: 64 KB of each temporary. A quarter as many are as fast, four times slower."""
+_CHUNK_BLOCKS = {"cpu": 32}
+"""Blocks a step: 64 KB of each temporary. A quarter as many are as fast, twice as many slower."""
+_CHUNK_ELSEWHERE = 512
+"""Where each call of a kernel costs time and there is no cache to stay in."""
 NEAR_M = 0.05
 """Voxels nearer to the camera plane are not updated."""
 _OUT_OF_VIEW_M = 1e6
@@ -62,7 +64,7 @@ class FusionScale(eqx.Module):
 @jax.tree_util.register_dataclass
 @dataclasses.dataclass(frozen=True, eq=False)
 class ChunkedBlocks:
-    """Blocks to fuse: ``chunks`` true chunks of `CHUNK_BLOCKS`, the rest is padding."""
+    """Blocks to fuse, in chunks of equal size: ``chunks`` true ones, the rest is padding."""
 
     rows: Int[Array, " blocks"]
     """Rows of the pool; padding lies out of range."""
@@ -126,11 +128,16 @@ def _blend_color(old, new, share, update):
     return jnp.where(update, out, old)
 
 
-def _scratch():
+def chunk_blocks(pool: VoxelPool) -> int:
+    """Blocks of a chunk that is fast where the pool lies."""
+    return _CHUNK_BLOCKS.get(platform_of(pool), _CHUNK_ELSEWHERE)
+
+
+def _scratch(size):
     """Arrays for a chunk's intermediate values; see `_kept`."""
 
     def arrays(*dtypes):
-        return tuple(jnp.zeros((CHUNK_BLOCKS + 1, BLOCK_VOXELS), dtype) for dtype in dtypes)
+        return tuple(jnp.zeros((size + 1, BLOCK_VOXELS), dtype) for dtype in dtypes)
 
     number, index, word = jnp.float32, jnp.int32, jnp.uint32
     return {
@@ -151,7 +158,7 @@ def _kept(scratch, name, values):
         for array, value in zip(scratch[name], values, strict=True)
     ]
     scratch[name] = tuple(lax.optimization_barrier(kept))
-    return tuple(array[:CHUNK_BLOCKS] for array in scratch[name])
+    return tuple(array[: len(values[0])] for array in scratch[name])
 
 
 def _fuse_chunk(scratch, fields, images, base, local, active, camera: Camera, scale: FusionScale):
@@ -205,24 +212,25 @@ def fuse_blocks(
     """
     frames = hits.shape[0]
     pixels = packed.words.shape[1]
+    size = len(blocks.rows) // len(blocks.owner)
     words, colors = packed.words.reshape(-1), packed.color.reshape(-1)
 
     def step(i, carry):
         fields, hits, flags, scratch = carry
-        start = i * CHUNK_BLOCKS
-        rows = lax.dynamic_slice(blocks.rows, (start,), (CHUNK_BLOCKS,))
+        start = i * size
+        rows = lax.dynamic_slice(blocks.rows, (start,), (size,))
         chunk = [jnp.take(f, rows, axis=0, mode="clip") for f in fields]
         chunk = _kept(scratch, "old", chunk)
         for k in range(frames):
             first = (blocks.owner[i] * frames + k) * pixels
-            base = lax.dynamic_slice(blocks.base_m[k], (0, start), (3, CHUNK_BLOCKS))
-            active = lax.dynamic_slice(blocks.active[k], (start,), (CHUNK_BLOCKS,))
+            base = lax.dynamic_slice(blocks.base_m[k], (0, start), (3, size))
+            active = lax.dynamic_slice(blocks.active[k], (start,), (size,))
             local = local_m[blocks.owner[i], k]
             images = (words, colors, first)
             chunk, seen = _fuse_chunk(scratch, chunk, images, base, local, active, camera, scale)
             seen = lax.dynamic_update_slice(hits, seen[None], (k, start, 0))
             chunk, hits = _kept(scratch, "new", chunk), lax.optimization_barrier(seen)
-            seen = lax.dynamic_slice(hits, (k, start, 0), (1, CHUNK_BLOCKS, BLOCK_VOXELS))
+            seen = lax.dynamic_slice(hits, (k, start, 0), (1, size, BLOCK_VOXELS))
             any_of = lax.reduce(seen, np.uint16(0), lax.bitwise_or, (2,))
             flags = lax.dynamic_update_slice(flags, any_of, (k, start))
         put = [
@@ -233,7 +241,7 @@ def fuse_blocks(
 
     flags = jnp.zeros(hits.shape[:2], jnp.uint16)
     fields = (pool.sdf_m, pool.weight, pool.color)
-    carry = lax.fori_loop(0, blocks.chunks, step, (fields, hits, flags, _scratch()))
+    carry = lax.fori_loop(0, blocks.chunks, step, (fields, hits, flags, _scratch(size)))
     (sdf_m, weight, color), hits, flags, _ = carry
     return VoxelPool(sdf_m, weight, color, pool.labels), hits, flags
 

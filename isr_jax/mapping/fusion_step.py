@@ -6,8 +6,9 @@ frame, since a frame's segments are named by the labels that the frames before i
 
 from __future__ import annotations
 
+import collections
 import dataclasses
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 
 import numpy as np
 from jaxtyping import Int, UInt16
@@ -15,11 +16,13 @@ from jaxtyping import Int, UInt16
 from ..types import Array, Camera
 from . import ballots, fuse, label_slots
 from .ballots import CHUNK_VOXELS
-from .fuse import CHUNK_BLOCKS
 from .packing import join_frames
 from .pool import BLOCK_VOXELS, OutOfMemory, VoxelPool, grown_pool, with_labels
 from .state import MapState, ReadyFrame
 from .votes import count_votes
+
+_STEPS_AHEAD = 2
+"""Steps that may be under way when `Fusion.fuse` returns: one is fused, one gets its labels."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -34,7 +37,7 @@ class _Chunks:
     chunks: Int[np.ndarray, ""]
 
 
-def _chunked(parts: list[np.ndarray], out_of_range: int, chunk: int = CHUNK_BLOCKS) -> _Chunks:
+def _chunked(parts: list[np.ndarray], out_of_range: int, chunk: int) -> _Chunks:
     """Lists of rows, one a map, in a power of two of chunks."""
     counts = [-(-len(part) // chunk) for part in parts]
     total = sum(counts)
@@ -73,7 +76,7 @@ class Fusion:
 
     Two threads work behind `fuse`, and the map is the same as without them: geometry does not ask
     for labels, so the voxels of one step are fused while the labels of the one before are counted
-    and the caller prepares the next.
+    and the caller prepares the next. At most `_STEPS_AHEAD` steps are under way.
 
     Args:
         pool: Voxels of the maps, one map's rows after the other's.
@@ -85,11 +88,11 @@ class Fusion:
     ) -> None:
         self.camera, self.scale, self.parts = camera, scale, parts
         self._voxels, self._labels = _without_labels(pool), pool.labels
-        self._spare_hits: UInt16[Array, "frames blocks 512"] | None = None
+        self._chunk_blocks = fuse.chunk_blocks(pool)
+        self._spare_hits: list[UInt16[Array, "frames blocks 512"]] = []
         self._fuser = ThreadPoolExecutor(1, thread_name_prefix="voxels")
         self._labeller = ThreadPoolExecutor(1, thread_name_prefix="labels")
-        self._fusing: Future[_Seen] | None = None
-        self._labelling: Future[None] | None = None
+        self._under_way: collections.deque[tuple[Future[_Seen], Future[None]]] = collections.deque()
 
     @property
     def pool(self) -> VoxelPool:
@@ -123,21 +126,27 @@ class Fusion:
         What goes wrong there is raised by the next call that waits for it: `fuse`, `join`, `pool`.
         """
         step, images, blocks, local_m = self._step(states, frames)
-        hits, self._spare_hits = self._spare_hits, None
+        hits = self._spare_hits.pop() if self._spare_hits else None
         fusing = self._fuser.submit(self._fuse_voxels, hits, images, blocks, local_m)
-        self.join()
+        labelling = self._labeller.submit(self._label_step, step, fusing)
+        self._under_way.append((fusing, labelling))
         for state in states:
             state.frames += len(frames[0])
-        self._fusing = fusing
-        self._labelling = self._labeller.submit(self._label_step, step, fusing)
+        self._wait(_STEPS_AHEAD)
 
     def join(self) -> None:
         """Wait until all steps are fused and their labels counted."""
-        fusing, self._fusing = self._fusing, None
-        labelling, self._labelling = self._labelling, None
-        if fusing is not None and labelling is not None:
-            labelling.result()
-            self._spare_hits = fusing.result().hits
+        self._wait(0)
+
+    def _wait(self, steps: int) -> None:
+        """Until so many steps are under way; the first error ends them all."""
+        while len(self._under_way) > steps:
+            fusing, labelling = self._under_way.popleft()
+            if (error := labelling.exception()) is not None:
+                wait([labelling for _, labelling in self._under_way])
+                self._under_way.clear()
+                raise error
+            self._spare_hits.append(fusing.result().hits)
 
     def settle(self, state: MapState) -> None:
         """Write today's label numbers into all voxels of a map."""
@@ -164,7 +173,7 @@ class Fusion:
         count = len(frames[0])
         unions = [_union([frame.rows for frame in of_map]) for of_map in frames]
         parts = [rows + state.first_row for (rows, _), state in zip(unions, states, strict=True)]
-        chunks = _chunked(parts, self._voxels.capacity)
+        chunks = _chunked(parts, self._voxels.capacity, self._chunk_blocks)
         base_m = np.zeros((count, 3, len(chunks.rows)), np.float32)
         active = np.zeros((count, len(chunks.rows)), bool)
         local_m = np.zeros((len(states), count, 3, BLOCK_VOXELS), np.float32)

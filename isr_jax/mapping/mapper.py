@@ -81,8 +81,8 @@ class PanopticMapper:
         Raises:
             FrameError: this frame cannot be fused; the map is as before and goes on with others.
             MapError: the map outgrows ``max_blocks`` or the memory; the frame leaves no trace, and
-                the map so far can be used and saved. Or the frame before gave too many labels:
-                these are counted while this one is fused.
+                the map so far can be used and saved. Or one of the frames before gave too many
+                labels: these are counted while later ones are fused.
         """
         self._add(self.posed(frame, segments))
 

@@ -21,7 +21,12 @@ def wide_jit(kernel: _Kernel, **options: Any) -> _Kernel:
 
     @functools.wraps(kernel)
     def call(*args: Any, **named: Any) -> Any:
-        (device,) = jax.tree.leaves(args[0])[0].devices()
-        return (on_cpu if device.platform == "cpu" else elsewhere)(*args, **named)
+        return (on_cpu if platform_of(args[0]) == "cpu" else elsewhere)(*args, **named)
 
     return call  # pyright: ignore[reportReturnType]
+
+
+def platform_of(arrays: Any) -> str:
+    """Where the first of some arrays lies: ``cpu``, ``gpu``."""
+    (device,) = jax.tree.leaves(arrays)[0].devices()
+    return device.platform
