@@ -15,9 +15,9 @@ from jax import lax
 from jaxtyping import Int, UInt16, UInt32
 
 from ..types import Array
+from ..wide_jit import wide_jit
 from .fuse import LABELLED, SEGMENT_SHIFT, VOTES
 from .pool import BLOCK_VOXELS, LABEL_MASK
-from .wide_jit import wide_jit
 
 CHUNK_VOXELS = 1 << 14
 """Voxels a step: their temporaries stay in a core's cache."""

@@ -29,9 +29,9 @@ from jax import lax
 from jaxtyping import Bool, Float, Int, UInt16
 
 from ..types import Array, Camera
+from ..wide_jit import platform_of, wide_jit
 from .packing import DEPTH_STEP_M, SEGMENT_BITS, SEGMENT_MASK, PackedFrames
 from .pool import BLOCK_SIDE, BLOCK_VOXELS, VOXEL_OFFSETS, VoxelPool
-from .wide_jit import platform_of, wide_jit
 
 _CHUNK_BLOCKS = {"cpu": 32}
 """Blocks a step: 64 KB of each temporary. A quarter as many are as fast, twice as many slower."""

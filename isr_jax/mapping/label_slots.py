@@ -10,9 +10,9 @@ from jax import lax
 from jaxtyping import Bool, Int, UInt32
 
 from ..types import Array
+from ..wide_jit import wide_jit
 from .ballots import CHUNK_VOXELS, SeenVoxels, part
 from .pool import LABEL_BITS, LABEL_MASK, MAX_COUNT, ROW_MULTIPLE, LabelSlots
-from .wide_jit import wide_jit
 
 
 def count_label(slots, label):

@@ -10,11 +10,12 @@ from jaxtyping import Float, Int
 
 from ..config import SegmentationSettings
 from ..types import Camera
+from ..wide_jit import wide_jit
 from .components import connected_components
 from .depth_kernels import interior_map, join_edges
 
 _interior_map = functools.partial(jax.jit, static_argnums=(2, 3, 4))(interior_map)
-_join_edges = functools.partial(jax.jit, static_argnums=(3,))(join_edges)
+_join_edges = wide_jit(join_edges, static_argnums=(3,))  # a third faster; the other is slower so
 
 
 def segment_depth(
@@ -40,6 +41,6 @@ def segment_depth(
     label, area = connected_components(inside)
     large = area >= max(settings.min_seed_px, 1)
     renumbered = np.where(large, np.cumsum(large), 0).astype(np.int32)
-    distance_m = np.float32(settings.edge_join_distance_m)
+    distance_m = np.array(settings.edge_join_distance_m, np.float32)
     window = settings.edge_join_window
     return np.asarray(_join_edges(renumbered[label], depth_m, camera, window, distance_m))

@@ -1,4 +1,4 @@
-"""`jax.jit` for kernels over voxels, with the widest vectors that a CPU has."""
+"""`jax.jit` for kernels over voxels and pixels, with the widest vectors that a CPU has."""
 
 from __future__ import annotations
 
@@ -27,6 +27,9 @@ def wide_jit(kernel: _Kernel, **options: Any) -> _Kernel:
 
 
 def platform_of(arrays: Any) -> str:
-    """Where the first of some arrays lies: ``cpu``, ``gpu``."""
-    (device,) = jax.tree.leaves(arrays)[0].devices()
+    """Where the first of some arrays lies, or will: ``cpu``, ``gpu``."""
+    first = jax.tree.leaves(arrays)[0]
+    if not isinstance(first, jax.Array):
+        return jax.default_backend()
+    (device,) = first.devices()
     return device.platform
