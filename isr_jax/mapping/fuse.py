@@ -144,7 +144,7 @@ def _scratch(size):
         "old": arrays(number, number, word),
         "projected": arrays(index, number, number, number),
         "returns": arrays(word, word),
-        "new": arrays(number, number, word),
+        "new": arrays(number, number, word, jnp.uint16),
     }
 
 
@@ -185,7 +185,7 @@ def _fuse_chunk(scratch, fields, images, base, local, active, camera: Camera, sc
     freed = near & ((weight_old == 0) | (sdf_old < scale.truncation_m))
     hits = (segment << SEGMENT_SHIFT) | jnp.where(votes, jnp.uint32(VOTES), 0)
     hits = hits | jnp.where(on_surface | freed, jnp.uint32(CHANGED), 0)
-    return (sdf_new, weight_new, color_new), hits.astype(jnp.uint16)
+    return sdf_new, weight_new, color_new, hits.astype(jnp.uint16)
 
 
 def fuse_blocks(
@@ -227,12 +227,11 @@ def fuse_blocks(
             active = lax.dynamic_slice(blocks.active[k], (start,), (size,))
             local = local_m[blocks.owner[i], k]
             images = (words, colors, first)
-            chunk, seen = _fuse_chunk(scratch, chunk, images, base, local, active, camera, scale)
-            seen = lax.dynamic_update_slice(hits, seen[None], (k, start, 0))
-            chunk, hits = _kept(scratch, "new", chunk), lax.optimization_barrier(seen)
-            seen = lax.dynamic_slice(hits, (k, start, 0), (1, size, BLOCK_VOXELS))
-            any_of = lax.reduce(seen, np.uint16(0), lax.bitwise_or, (2,))
-            flags = lax.dynamic_update_slice(flags, any_of, (k, start))
+            new = _fuse_chunk(scratch, chunk, images, base, local, active, camera, scale)
+            *chunk, seen = _kept(scratch, "new", new)
+            hits = lax.dynamic_update_slice(hits, seen[None], (k, start, 0))
+            any_of = lax.reduce(seen, np.uint16(0), lax.bitwise_or, (1,))
+            flags = lax.dynamic_update_slice(flags, any_of[None], (k, start))
         put = [
             f.at[rows].set(n, mode="drop", unique_indices=True)
             for f, n in zip(fields, chunk, strict=True)
