@@ -4,8 +4,8 @@ Measured rules shape this module:
 
 - Intermediate values are written into scratch arrays that the loop carries. That keeps XLA from
   fusing index computation with gathers (not vectorised then: 1.8 times slower), and from splitting
-  each of a chunk's 15 small kernels over all cores: on two cores that took 25 core ms where one
-  thread takes 14, and hardly less time. The other cores count labels, decode and segment.
+  each of a chunk's small kernels over all cores: on two cores that took a half more core time,
+  and little less time. The other cores count labels, decode and segment.
 - A loop over chunks of blocks, as many as there are: temporaries stay in a core's cache, and
   padding costs nothing.
 - Donated pools: a fresh pool a frame costs more than the fusion.
