@@ -13,6 +13,7 @@ from concurrent.futures import Future, ThreadPoolExecutor, wait
 import numpy as np
 from jaxtyping import Int, UInt16
 
+from ..errors import MapError
 from ..types import Array, Camera
 from . import ballots, fuse, label_slots
 from .ballots import CHUNK_VOXELS
@@ -21,6 +22,8 @@ from .pool import BLOCK_VOXELS, OutOfMemory, VoxelPool, grown_pool, with_labels
 from .state import MapState, ReadyFrame
 from .votes import count_votes
 
+_MAX_VOXELS = (1 << 31) - 1
+"""Voxels of a step: int32 counts them."""
 _STEPS_AHEAD = 2
 """Steps that may be under way when `Fusion.fuse` returns: one is fused, one gets its labels."""
 
@@ -124,6 +127,7 @@ class Fusion:
         """Fuse the frames of each map, equally many, in the background.
 
         What goes wrong there is raised by the next call that waits for it: `fuse`, `join`, `pool`.
+        Raises `MapError` at once when they are too many voxels for one step.
         """
         step, images, blocks, local_m = self._step(states, frames)
         hits = self._spare_hits.pop() if self._spare_hits else None
@@ -174,6 +178,12 @@ class Fusion:
         unions = [_union([frame.rows for frame in of_map]) for of_map in frames]
         parts = [rows + state.first_row for (rows, _), state in zip(unions, states, strict=True)]
         chunks = _chunked(parts, self._voxels.capacity, self._chunk_blocks)
+        voxels = count * len(chunks.rows) * BLOCK_VOXELS
+        if voxels > _MAX_VOXELS:
+            raise MapError(
+                f"one step would fuse {voxels} voxels, at most {_MAX_VOXELS}",
+                "fuse fewer maps in a batch, or lower MappingSettings.frames_per_step",
+            )
         base_m = np.zeros((count, 3, len(chunks.rows)), np.float32)
         active = np.zeros((count, len(chunks.rows)), bool)
         local_m = np.zeros((len(states), count, 3, BLOCK_VOXELS), np.float32)
