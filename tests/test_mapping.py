@@ -186,7 +186,7 @@ def test_two_runs_give_the_same_bits(frames, mapped):
 
 
 def test_the_size_of_a_chunk_changes_nothing(frames, mapped, monkeypatch):
-    monkeypatch.setattr("isr_jax.mapping.fuse._CHUNK_BLOCKS", {"cpu": 96})
+    monkeypatch.setattr("isr_jax.mapping.fuse._CHUNK_CPU", 96)
     other = fused(frames)
     for name in ("sdf_m", "weight", "color"):
         assert np.array_equal(getattr(mapped.pool, name), getattr(other.pool, name))

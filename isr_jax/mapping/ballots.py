@@ -88,7 +88,7 @@ def cast_votes(
 
 
 def part(entries, i):
-    """Entries of a chunk."""
+    """Those of ``[voxels, ...]`` entries that chunk ``i`` holds: `CHUNK_VOXELS`."""
     return lax.dynamic_slice(entries, (i * CHUNK_VOXELS,), (CHUNK_VOXELS,))
 
 

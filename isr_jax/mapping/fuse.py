@@ -33,10 +33,10 @@ from ..wide_jit import platform_of, wide_jit
 from .packing import DEPTH_STEP_M, SEGMENT_BITS, SEGMENT_MASK, PackedFrames
 from .pool import BLOCK_SIDE, BLOCK_VOXELS, VOXEL_OFFSETS, VoxelPool
 
-_CHUNK_BLOCKS = {"cpu": 32}
+_CHUNK_CPU = 32
 """Blocks a step: 64 KB of each temporary. A quarter as many are as fast, twice as many slower."""
 _CHUNK_ELSEWHERE = 512
-"""Where each call of a kernel costs time and there is no cache to stay in."""
+"""More where each call of a kernel costs time; not measured."""
 NEAR_M = 0.05
 """Voxels nearer to the camera plane are not updated."""
 _OUT_OF_VIEW_M = 1e6
@@ -130,7 +130,7 @@ def _blend_color(old, new, share, update):
 
 def chunk_blocks(pool: VoxelPool) -> int:
     """Blocks of a chunk that is fast where the pool lies."""
-    return _CHUNK_BLOCKS.get(platform_of(pool), _CHUNK_ELSEWHERE)
+    return _CHUNK_CPU if platform_of(pool) == "cpu" else _CHUNK_ELSEWHERE
 
 
 def _scratch(size):

@@ -227,8 +227,8 @@ class Fusion:
             state.step += 1
             state.blocks.generation[frame.new_rows] = state.renaming.generation
             state.blocks.stamp[rows[(flags[span] & fuse.CHANGED) > 0]] = state.step
-            stale = rows[flags[span] >= fuse.LABELLED]
-            self._labels = state.renaming.freshen(self._labels, state, stale)
+            to_label = rows[flags[span] >= fuse.LABELLED]
+            self._labels = state.renaming.freshen(self._labels, state, to_label)
         voxels, labelled, votes = self._votes(step, seen.hits, k)
         label_of = [
             state.labels.name_segments(found, frame.class_id, frame.instance)

@@ -15,7 +15,9 @@ from ..types import Array
 SEGMENT_BITS = 12
 """A frame's word holds ``depth << SEGMENT_BITS | segment``."""
 SEGMENT_MASK = (1 << SEGMENT_BITS) - 1
+"""The segment in a word."""
 MAX_SEGMENTS = SEGMENT_MASK
+"""Segments of a frame, 0 for none aside."""
 DEPTH_STEP_M = 1e-4
 """Depth is packed in tenths of a millimetre: 20 bits reach 104 m."""
 
@@ -36,7 +38,7 @@ def pack_frame(
     segment: Int[np.ndarray, "height width"],
     color: UInt8[np.ndarray, "height width 3"],
 ) -> PackedFrames:
-    """Depth and segment in one word, red, green and blue in another: one gather serves each."""
+    """One frame: depth (metres) and segment in one word, red, green and blue in another."""
     return PackedFrames(_packed_words(depth_m, segment), packed_color(color))
 
 
