@@ -48,15 +48,15 @@ def test_a_batch_of_maps_equals_maps_by_themselves():
 
 
 def test_too_many_voxels_for_a_step_are_refused_and_the_maps_stay(monkeypatch):
-    frames = films()
-    maps = [fused(some[:2]) for some in frames]
+    frames, keeping = films(), dataclasses.replace(SETTINGS, keep_frames=True)
+    maps = [fused(some[:2], keeping) for some in frames]
     step = [some[2] for some in frames]
     refused = pytest.raises(MapError, match="fewer maps")
     with MapBatch(maps) as batch, monkeypatch.context() as bound, refused:
         bound.setattr("isr_jax.mapping.fusion_step._MAX_VOXELS", 10_000)
         batch.integrate([frame for frame, _ in step], [segments for _, segments in step])
     for one, some in zip(maps, frames, strict=True):
-        assert one.frames == 2
+        assert one.frames == 2 and len(one.kept) == 2
         for frame, segments in some[2:]:
             one.integrate(frame, segments)
         assert one.surface().mesh.vertices.shape == fused(some).surface().mesh.vertices.shape

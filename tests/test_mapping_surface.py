@@ -17,7 +17,7 @@ from isr_jax.mapping.surface import SurfaceExtractor, extract_surface
 from isr_jax.types import PanopticSurface
 
 from .reference.mapping_reference import CAMERA, Solid, orbit, render
-from .reference.surface_reference import surface_nets
+from .reference.surface_reference import cell_label, surface_nets
 
 FLOOR, TABLE, BOWL = (class_named(n).id for n in ("floor", "table", "bowl"))
 TILT = np.array([0.10, -0.06, 0.993])
@@ -70,13 +70,20 @@ def distance_m(points):
     return np.min([s.distance(points.astype(float)) for s in SOLIDS], 0)
 
 
+def places(mapper) -> list[tuple[int, int, int]]:
+    """All voxels of the map, in the order of its rows."""
+    rows = np.arange(mapper.blocks.used)
+    place = mapper.blocks.coords[rows, None] * BLOCK_SIDE + VOXEL_OFFSETS
+    return list(map(tuple, place.reshape(-1, 3).tolist()))
+
+
 def observed_voxels(mapper) -> dict:
     rows = np.arange(mapper.blocks.used)
-    place = (mapper.blocks.coords[rows, None] * BLOCK_SIDE + VOXEL_OFFSETS).reshape(-1, 3)
     weight = np.asarray(pool.weight(mapper.pool, rows)).ravel()
     sdf = np.asarray(pool.sdf_m(mapper.pool, rows)).ravel()
     seen = weight >= mapper.settings.mesh_min_weight
-    return dict(zip(map(tuple, place[seen].tolist()), sdf[seen].tolist(), strict=True))
+    where = [place for place, there in zip(places(mapper), seen, strict=True) if there]
+    return dict(zip(where, sdf[seen].tolist(), strict=True))
 
 
 def test_mesh_equals_the_slow_twin(frames):
@@ -99,6 +106,24 @@ def test_mesh_equals_the_slow_twin(frames):
     p = mesh.vertices[mesh.faces].reshape(-1, 2, 3, 3)
     cut = np.linalg.norm(p[:, 0, 0] - p[:, 0, 2], axis=1)
     assert np.all(cut <= np.linalg.norm(p[:, 0, 1] - p[:, 1, 2], axis=1) + POSITION_M)
+
+
+def test_labels_equal_the_slow_twin(frames):
+    """Where table and bowl are one segment in some frames, the corners of a cell disagree."""
+    mapper = fused([(f, _shifted(s) if i % 3 == 0 else s) for i, (f, s) in enumerate(frames)])
+    vertex_of, _ = surface_nets(observed_voxels(mapper), 6 * VOXEL_M, VOXEL_M)
+    labels, counts = pool.leading_label(mapper.pool, np.arange(mapper.blocks.used))
+    found = zip(np.asarray(labels).ravel().tolist(), np.asarray(counts).ravel().tolist())
+    leading = dict(zip(places(mapper), found, strict=True))
+    expected = np.array([cell_label(cell, leading) for cell in vertex_of])
+    as_it_is = np.arange(mapper.labels.label_count)
+    surface = extract_surface(mapper.pool, mapper.blocks, SETTINGS, as_it_is, as_it_is)
+    gap, place = KDTree(np.array(list(vertex_of.values()))).query(surface.mesh.vertices)
+    assert gap.max() < POSITION_M
+    assert np.array_equal(surface.instance, expected[place])
+    corner = np.rint(surface.mesh.vertices / VOXEL_M - 0.5).astype(int).tolist()
+    nearest = [leading.get(tuple(c), (0, 0))[0] for c in corner]
+    assert 10 < np.sum(surface.instance != nearest) < 0.2 * len(nearest)
 
 
 def turned_to_least(cycles):

@@ -110,7 +110,6 @@ VARIANTS: tuple[Variant, ...] = (
     _ours("carving", _in("mapping", "carve"), "blocks that are seen through are freed"),
     _ours("shared labels", _in("mapping", "share_labels"), "pieces of one mask take one map label"),
     _ours("merge by class", _in("mapping", "merge_any_class"), "other classes do not merge"),
-    _ours("class groups", _in("mapping", "instance_condition"), "classes of a group are one"),
     _ours("frames", _in("mapping", "instance_min_frames"), "what one frame saw is not believed"),
     _ours("early merging", _in("mapping", "instance_merge_min"), "instances merge sooner"),
     _ours("class regulation", _in("mapping", "regulate_classes"), "also across classes"),

@@ -134,7 +134,7 @@ class MappingSettings(Checked):
     keep_frames: bool = setting(False, "keep frames in memory, to fuse them again at other poses")
     label_slots: int = setting(3, "label counts kept a voxel", low=1, high=8, static=True)
     label_band_voxels: float = setting(
-        2.0, "voxels this near the surface count its label", unit="voxels", low=0.5, high=20.0
+        3.0, "voxels this near the surface count its label", unit="voxels", low=0.5, high=20.0
     )
     carve: bool = setting(True, "known blocks that are seen through are freed (paper: not)")
     min_votes: int = setting(20, "voxel votes a segment needs to take a map label", low=1)
@@ -156,11 +156,6 @@ class MappingSettings(Checked):
     )
     instance_count_ratio: float = setting(
         0.1, "a label is part of an instance if its count exceeds this share of the rest", low=0.0
-    )
-    instance_condition: str = setting(
-        "group",
-        "classes that one instance may have: those of a match group, or (paper) one",
-        choices=("group", "class"),
     )
     instance_min_frames: int = setting(
         2, "an instance seen in fewer frames is not believed (paper: 1)", low=1

@@ -22,7 +22,6 @@ _PAPER = Settings(
         carve=False,
         share_labels=False,
         merge_any_class=True,
-        instance_condition="class",
         instance_merge_min=10,
         instance_min_frames=1,
         regulate_classes=False,

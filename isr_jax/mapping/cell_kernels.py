@@ -98,7 +98,6 @@ def cell_vertices(
     Float[Array, "cells 3"],
     Float[Array, "cells 3"],
     UInt8[Array, "cells 3"],
-    UInt8[Array, " cells"],
     Int[Array, " cells"],
 ]:
     """Vertices of cells, in voxels from the lowest corner.
@@ -111,15 +110,12 @@ def cell_vertices(
         anchor: Lowest corner of each cell, in ``places``.
 
     Returns:
-        Vertex, unit normal, mean colour, corner nearest to the vertex, and label (`Cells`).
+        Vertex, unit normal, mean colour, and label (`Cells`).
     """
     voxel = _corner_voxels(places, anchor)
     place, normal = _vertex(_gathered(sdf_m, voxel))
     color = _mean_color(_gathered(pools.color(pool, read), voxel))
-    x, y, z = (jnp.round(p).astype(jnp.uint8) for p in place)
-    nearest = 4 * x + 2 * y + z
-    label = _label(pool, read, voxel, nearest)
-    return jnp.stack(place, 1), jnp.stack(normal, 1), color, nearest, label
+    return jnp.stack(place, 1), jnp.stack(normal, 1), color, _label(pool, read, voxel)
 
 
 @jax.jit
@@ -128,11 +124,10 @@ def cell_labels(
     read: Int[Array, " read"],
     local: Int[Array, "8 batch"],
     anchor: Int[Array, " cells"],
-    nearest: UInt8[Array, " cells"],
 ) -> Int[Array, " cells"]:
     """Labels of cells whose vertices are known already (`cell_vertices`)."""
     voxel = _corner_voxels(lax.optimization_barrier(_halo_places(local)), anchor)
-    return _label(pool, read, voxel, nearest)
+    return _label(pool, read, voxel)
 
 
 def _corner_voxels(places: Int[Array, " halo"], anchor: Int[Array, " cells"]) -> list[jax.Array]:
@@ -182,12 +177,16 @@ def _mean_color(words: list[jax.Array]) -> UInt8[Array, "cells 3"]:
     return jnp.round(total / jnp.maximum(painted, 1.0)[:, None]).astype(jnp.uint8)
 
 
-def _label(pool: VoxelPool, read, voxel: list[jax.Array], nearest: Array) -> Int[Array, " cells"]:
-    """Leading label of the nearest corner; where it has none, of the corner that is surest."""
+def _label(pool: VoxelPool, read, voxel: list[jax.Array]) -> Int[Array, " cells"]:
+    """The label that the corners have counted most, each its leading one; of equal ones the first.
+
+    With noise the surface of the mean lies off that of many a frame, which then counted labels at
+    another corner than the nearest.
+    """
     labels, counts = (_gathered(field, voxel) for field in pools.leading_label(pool, read))
-    own, surest, most = labels[0], labels[0], counts[0]
-    for k in range(1, 8):
-        own = jnp.where(nearest == k, labels[k], own)
-        surest = jnp.where(counts[k] > most, labels[k], surest)
-        most = jnp.maximum(most, counts[k])
-    return jnp.where(own > 0, own, surest)
+    best, most = jnp.zeros_like(labels[0]), jnp.zeros_like(counts[0])
+    for label in labels:
+        pairs = zip(labels, counts, strict=True)
+        votes = sum(jnp.where(other == label, count, 0) for other, count in pairs)
+        best, most = jnp.where(votes > most, label, best), jnp.maximum(votes, most)
+    return best

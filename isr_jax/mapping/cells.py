@@ -33,17 +33,15 @@ class Cells:
     normal: Float[np.ndarray, "cells 3"]
     """Unit, outward."""
     color: UInt8[np.ndarray, "cells 3"]
-    nearest: UInt8[np.ndarray, " cells"]
-    """Corner nearest to the vertex."""
     label: Int[np.ndarray, " cells"]
-    """Leading map label of that corner; where it has none, of the corner with the highest count."""
+    """The map label that its corners have counted most."""
 
     @staticmethod
     def none() -> Cells:
         """No cells."""
         index, byte = np.zeros(0, np.int32), np.zeros(0, np.uint8)
         triple = np.zeros((0, 3), np.float32)
-        return Cells(index, index, byte, triple, triple, triple.astype(np.uint8), byte, index)
+        return Cells(index, index, byte, triple, triple, triple.astype(np.uint8), index)
 
     def take(self, which: np.ndarray) -> Cells:
         """Some of the cells: a mask, or positions."""
@@ -134,9 +132,7 @@ def read_labels(pool: VoxelPool, blocks: BlockIndex, cells: Cells) -> Int[np.nda
         part = slice(*np.searchsorted(cells.row, [batch.rows[0], batch.rows[-1] + 1]))
         block = np.searchsorted(batch.rows, cells.row[part])
         anchor = _anchors(block, cells.voxel[part])
-        nearest = np.zeros(len(anchor), np.uint8)
-        nearest[: len(block)] = cells.nearest[part]
-        found = cell_labels(pool, batch.read, batch.local, anchor, nearest)
+        found = cell_labels(pool, batch.read, batch.local, anchor)
         labels.append(np.asarray(found)[: len(block)])
     return np.concatenate(labels)
 

@@ -25,7 +25,7 @@ from .votes import count_votes
 _MAX_VOXELS = (1 << 31) - 1
 """Voxels of a step: int32 counts them."""
 _STEPS_AHEAD = 2
-"""Steps that may be under way when `Fusion.fuse` returns: one is fused, one gets its labels."""
+"""Steps that may be under way when another begins: one is fused, one gets its labels."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ class Fusion:
 
     Two threads work behind `fuse`, and the map is the same as without them: geometry does not ask
     for labels, so the voxels of one step are fused while the labels of the one before are counted
-    and the caller prepares the next. At most `_STEPS_AHEAD` steps are under way.
+    and the caller prepares the next.
 
     Args:
         pool: Voxels of the maps, one map's rows after the other's.
@@ -127,16 +127,17 @@ class Fusion:
         """Fuse the frames of each map, equally many, in the background.
 
         What goes wrong there is raised by the next call that waits for it: `fuse`, `join`, `pool`.
-        Raises `MapError` at once when they are too many voxels for one step.
+        Whatever `fuse` raises, as `MapError` for too many voxels in one step, these frames are
+        not fused.
         """
         step, images, blocks, local_m = self._step(states, frames)
+        self._wait(_STEPS_AHEAD)
         hits = self._spare_hits.pop() if self._spare_hits else None
         fusing = self._fuser.submit(self._fuse_voxels, hits, images, blocks, local_m)
         labelling = self._labeller.submit(self._label_step, step, fusing)
         self._under_way.append((fusing, labelling))
         for state in states:
             state.frames += len(frames[0])
-        self._wait(_STEPS_AHEAD)
 
     def join(self) -> None:
         """Wait until all steps are fused and their labels counted."""

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-from jaxtyping import Int
-
 from ..classes import classes
 from ..config import MappingSettings
 from .shares import Shares
@@ -18,8 +15,6 @@ class Instances:
 
     def __init__(self, settings: MappingSettings) -> None:
         self.settings = settings
-        self.group = _groups(settings.instance_condition)
-        """Class -> its group: an instance keeps to the classes of one group."""
         self.class_of: list[int] = [0]
         self.frames: list[int] = [0]
         """Frames in which an instance was seen."""
@@ -76,7 +71,7 @@ class Instances:
         return next((pair for pair in sorted(pairs) if self._are_one(*pair, shares)), None)
 
     def _are_one(self, a: int, b: int, shares: Shares) -> bool:
-        alike = self.group[self.class_of[a]] == self.group[self.class_of[b]]
+        alike = self.class_of[a] == self.class_of[b]
         shared = shares.shared[a][b]
         return bool(
             (self.settings.regulate_classes or alike)
@@ -99,11 +94,3 @@ class Instances:
             if a != b:
                 moved[a, b] = moved.get((a, b), 0) + frames
         self.apart = moved
-
-
-def _groups(condition: str) -> Int[np.ndarray, " classes"]:
-    """Group of each class; 0 for background."""
-    if condition == "class":
-        return np.arange(len(classes()))
-    names = [info.match_group for info in classes()]
-    return np.array([0] + [1 + names.index(name) for name in names[1:]])

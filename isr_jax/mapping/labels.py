@@ -90,9 +90,9 @@ class LabelFusion:
     def _count_overlaps(self, votes: Votes) -> None:
         """Merge labels that share segments in more than ``merge_min_frames`` frames.
 
-        Unless ``merge_any_class``, two labels of decided, different groups of classes stay apart
-        whatever they share (a depth segment that spans a cup and its table is that frame's error),
-        and so do two of instances that were seen as two in as many frames.
+        Unless ``merge_any_class``, two labels of decided, different classes stay apart whatever
+        they share (a depth segment that spans a cup and its table is that frame's error), and so
+        do two of instances that were seen as two in as many frames.
         """
         for pair in overlapping_pairs(votes, self.settings.merge_overlap_ratio):
             a, b = sorted(int(self.canonical[label]) for label in pair)
@@ -107,8 +107,7 @@ class LabelFusion:
         if self.settings.merge_any_class:
             return True
         (class_a, instance_a), (class_b, instance_b) = self.decide(a), self.decide(b)
-        group_a, group_b = self.instances.group[class_a], self.instances.group[class_b]
-        if group_a and group_b and group_a != group_b:
+        if class_a and class_b and class_a != class_b:
             return False
         apart = self.instances.frames_apart(instance_a, instance_b)
         return apart <= self.settings.merge_min_frames
@@ -224,34 +223,28 @@ class LabelFusion:
         scores: collections.Counter[int] = collections.Counter()
         for label in labels:
             for (c, o), count in self.counts[label].items():
-                same = self.pairwise or self.instances.group[c] == self.instances.group[class_id]
-                if o and same and self.instances.is_thing(o):
+                if o and (self.pairwise or c == class_id) and self.instances.is_thing(o):
                     scores[o] += count
         return scores
 
     def decide(self, label: int) -> tuple[int, int]:
         """Class and instance of a map label; 0 where undecided.
 
-        The group of classes with the largest count wins (not background), in it the class c and
-        the instance o: c = argmax_c sum_o Phi(l, c, o);  o = argmax_o sum_c Phi(l, c, o), if its
-        count exceeds ``instance_count_ratio`` of the frames that saw the label otherwise, and o
-        was seen in ``instance_min_frames``. With ``instance_condition="class"`` a group is a
-        class, and this is the paper's rule.
+        c = argmax_c sum_o Phi(l, c, o), background aside;  o = argmax_o Phi(l, c, o), if its count
+        exceeds ``instance_count_ratio`` of the frames that saw the label otherwise, and o was seen
+        in ``instance_min_frames``.
         """
         counts = self.counts[label]
         by_class: collections.Counter[int] = collections.Counter()
-        by_group: collections.Counter[int] = collections.Counter()
         for (class_id, _), count in counts.items():
             if class_id:
                 by_class[class_id] += count
-                by_group[int(self.instances.group[class_id])] += count
         if not by_class:
             return 0, 0
-        group = _most(by_group)
-        class_id = _most({c: n for c, n in by_class.items() if self.instances.group[c] == group})
+        class_id = _most(by_class)
         by_instance: collections.Counter[int] = collections.Counter()
         for (c, o), count in counts.items():
-            if o and (self.pairwise or self.instances.group[c] == group):
+            if o and (self.pairwise or c == class_id):
                 by_instance[o] += count
         if not by_instance:
             return class_id, 0

@@ -54,9 +54,9 @@ class MapBatch:
         ready = []
         for one, frame in zip(self.maps, posed, strict=True):
             ready.append(one.state.ready(frame, one.camera, one.scale, self._reserve))
+        self.fusion.fuse([m.state for m in self.maps], [[frame] for frame in ready])
         for one, frame in zip(self.maps, posed, strict=True):
             one.keep(frame)
-        self.fusion.fuse([m.state for m in self.maps], [[frame] for frame in ready])
 
     def _reserve(self, capacity: int) -> None:
         self.fusion.reserve(capacity)

@@ -23,7 +23,7 @@ _ROOM_M2, _LEAST_START, _MOST_START = 200.0, 1 << 14, 1 << 16
 _CROWD = 128
 _FORGET_EVERY = 256
 """From so many labels on, those that lead no voxel are forgotten every so many frames."""
-_RENAME_EVERY = 16
+_RENAME_EVERY = 64
 """Merged labels get their new numbers every so many frames; votes resolve them meanwhile."""
 
 

@@ -9,9 +9,6 @@ from jaxtyping import Int, UInt32
 
 from .association import one_to_one
 
-_LARGEST_TABLE = 1 << 22
-"""Counts of segments and labels; a larger table takes longer than sorting the ballots."""
-
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Votes:
@@ -49,8 +46,12 @@ def count_votes(
 
 
 def _counted(values, end: int):
-    """The values below ``end`` that occur, and how often."""
-    if end > _LARGEST_TABLE:
+    """The values below ``end`` that occur, and how often.
+
+    A table with more entries than there are values takes longer than sorting them, and would make
+    the time a frame grow with the labels of the map.
+    """
+    if end > len(values):
         return np.unique(values, return_counts=True)
     table = np.bincount(values, minlength=end)
     occur = np.flatnonzero(table)

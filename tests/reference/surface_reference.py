@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import itertools
 
 import numpy as np
@@ -43,3 +44,12 @@ def surface_nets(sdf_m: dict, max_jump_m: float, voxel_m: float):
             if all(a in vertices for a in around):
                 quads.append(around if starts_inside else around[::-1])
     return vertices, quads
+
+
+def cell_label(cell, leading: dict) -> int:
+    """The label that a cell's corners counted most, or the first, of {place: (label, count)}."""
+    votes = collections.Counter()
+    for corner in CORNERS:
+        label, count = leading[tuple(np.add(cell, corner))]
+        votes[label] += count
+    return max(votes, key=votes.__getitem__)
