@@ -37,7 +37,7 @@ _REST_S = 0.3
 
 def fusion(
     voxels_m: tuple[float, ...] = (0.01, 0.02, 0.05),
-    frames: int = 60,
+    frames: int = 64,
     variants: tuple[str, ...] = ("mapping.carve=false", "mapping.frames_per_step=4"),
     surface: bool = False,
     live: bool = True,
@@ -60,7 +60,7 @@ def fusion(
 
     Args:
         voxels_m: Sizes of voxels, metres.
-        frames: Of the film.
+        frames: Of the film. Merged labels get their new numbers every 64: the last frame pays for it.
         variants: Settings that ours is timed with as well, each by itself.
         surface: Time the extraction of the surface too, beside Open3D's and scikit-image's.
         live: Time the parts of the live loop at 2 cm, and the whole; also on a real kitchen with

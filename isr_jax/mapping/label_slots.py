@@ -148,7 +148,7 @@ def leading_somewhere(
     return lax.fori_loop(0, trips, step, jnp.zeros(size, bool))
 
 
-@functools.partial(jax.jit, donate_argnames=("labels",))
+@functools.partial(wide_jit, donate_argnames=("labels",))
 def relabel(
     labels: LabelSlots,
     tables: UInt32[Array, "tables labels"],

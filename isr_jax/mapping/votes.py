@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from itertools import combinations
 
 import numpy as np
 from jaxtyping import Int, UInt32
@@ -86,8 +87,7 @@ def assign_labels(
 def overlapping_pairs(votes: Votes, min_ratio: float) -> list[tuple[int, int]]:
     """Pairs of labels that each hold more than ``min_ratio`` of one segment's voxels."""
     strong = votes.count > min_ratio * votes.total[votes.segment]
-    pairs: set[tuple[int, int]] = set()
-    for segment in np.unique(votes.segment[strong]):
-        labels = sorted(votes.label[strong & (votes.segment == segment)].tolist())
-        pairs.update((a, b) for i, a in enumerate(labels) for b in labels[i + 1 :])
-    return sorted(pairs)
+    labels_of: dict[int, list[int]] = {}
+    for segment, label in zip(votes.segment[strong].tolist(), votes.label[strong].tolist()):
+        labels_of.setdefault(segment, []).append(label)
+    return sorted({pair for of in labels_of.values() for pair in combinations(sorted(of), 2)})
