@@ -60,7 +60,7 @@ def fusion(
 
     Args:
         voxels_m: Sizes of voxels, metres.
-        frames: Of the film. Merged labels get their new numbers every 64: the last frame pays for it.
+        frames: Of the film. Merged labels get their new numbers every 64 frames: in the last one.
         variants: Settings that ours is timed with as well, each by itself.
         surface: Time the extraction of the surface too, beside Open3D's and scikit-image's.
         live: Time the parts of the live loop at 2 cm, and the whole; also on a real kitchen with

@@ -77,7 +77,7 @@ def test_votes_are_counted_alike_in_a_map_of_few_labels_and_of_many():
 )
 def test_assignment_is_one_to_one_and_respects_the_minimum(table, least):
     votes = votes_of([[0] * 6, *table])
-    label_of = assign_labels(votes, least, np.arange(len(table) + 1))
+    label_of = assign_labels(votes, least, range(len(table) + 1))
     given_out = label_of[label_of > 0]
     assert len(set(given_out)) == len(given_out)
     for segment, label in enumerate(label_of):
@@ -269,7 +269,7 @@ def test_merged_labels_give_their_numbers_back():
 def test_optimal_assignment_gives_the_most_votes():
     """Greedy takes 60 and leaves 10; the best sum is 50 + 55."""
     votes = votes_of([[0, 0, 0], [0, 60, 55], [0, 50, 10]])
-    owner = np.arange(3)
+    owner = range(3)
     assert assign_labels(votes, 5, owner).tolist() == [0, 1, 2]
     assert assign_labels(votes, 5, owner, "optimal").tolist() == [0, 2, 1]
 

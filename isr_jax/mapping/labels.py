@@ -22,6 +22,9 @@ from .pool import LABEL_MASK
 from .shares import Shares
 from .votes import Votes, assign_labels, overlapping_pairs
 
+_NO_INSTANCE = (0, 0)
+"""Class and instance of a segment of the background."""
+
 
 class LabelFusion:
     """What is known of every map label and every global instance."""
@@ -55,7 +58,7 @@ class LabelFusion:
         that cutting an instance differently in each frame makes no new labels. A segment of fewer
         than ``min_votes`` voxels gets none: it could not be known again.
         """
-        owner = self._owners(class_of, instance_of)
+        owner = self._owners(_frame_instances(class_of, instance_of))
         how = self.settings.association
         label_of = assign_labels(votes, self.settings.min_votes, owner, how)
         for segment in np.flatnonzero(votes.total >= self.settings.min_votes).tolist():
@@ -64,16 +67,15 @@ class LabelFusion:
         self._count_overlaps(votes)
         return self.canonical[label_of]
 
-    def _owners(self, class_of, instance_of) -> Int[np.ndarray, " segments"]:
+    def _owners(self, instances: list[tuple[int, int]]) -> list[int]:
         """Segments with the same number may take the same label."""
-        owner = np.arange(len(class_of))
-        if self.settings.share_labels:
-            first: dict[tuple[int, int], int] = {}
-            for segment in owner.tolist():
-                key = _frame_instance(segment, class_of, instance_of)
-                if key != (0, 0):
-                    owner[segment] = first.setdefault(key, segment)
-        return owner
+        if not self.settings.share_labels:
+            return list(range(len(instances)))
+        first: dict[tuple[int, int], int] = {}
+        return [
+            segment if key == _NO_INSTANCE else first.setdefault(key, segment)
+            for segment, key in enumerate(instances)
+        ]
 
     def _fresh_label(self) -> int:
         label = self.label_count
@@ -171,17 +173,18 @@ class LabelFusion:
         instance_of: Int[np.ndarray, " segments"],
     ) -> None:
         """Count one frame: Phi(l, c, o) <- Phi(l, c, o) + 1 for each of its segments."""
-        seen = np.flatnonzero(label_of)
-        for segment in seen.tolist():
-            self.frames_seen[label_of[segment]] += 1
-        global_of = self._associate(label_of, class_of, instance_of, seen)
+        labels = label_of.tolist()
+        instances = _frame_instances(class_of, instance_of)
+        global_of = self._associate(labels, instances)
         touched = set()
-        for segment in seen.tolist():
-            label, class_id = int(label_of[segment]), int(class_of[segment])
-            instance = global_of.get(_frame_instance(segment, class_of, instance_of), 0)
-            for key in self._keys(class_id, instance):
-                self.counts[label][key] = self.counts[label].get(key, 0) + 1
-                self.shares.count(label, key[1])
+        for label, class_id, key in zip(labels, class_of.tolist(), instances, strict=True):
+            if not label:
+                continue
+            self.frames_seen[label] += 1
+            instance = global_of.get(key, 0)
+            for counted in self._keys(class_id, instance):
+                self.counts[label][counted] = self.counts[label].get(counted, 0) + 1
+                self.shares.count(label, counted[1])
             touched.add(instance)
         self.instances.count(touched)
         if self.settings.regulate:
@@ -199,18 +202,19 @@ class LabelFusion:
             return []
         return [(class_id, 0), (0, instance)] if self.pairwise else [(class_id, instance)]
 
-    def _associate(self, label_of, class_of, instance_of, seen) -> dict[tuple[int, int], int]:
-        """Frame instances to global ones: the best unassigned of the same group, else fresh."""
-        groups: dict[tuple[int, int], list[int]] = {}
-        for segment in seen.tolist():
-            key = _frame_instance(segment, class_of, instance_of)
-            if key != (0, 0):
-                groups.setdefault(key, []).append(int(label_of[segment]))
-        global_of = {key: self.instances.of_stuff(key[0]) for key in groups if key[1] == 0}
-        keys, claims = sorted(groups), {}
+    def _associate(
+        self, labels: list[int], instances: list[tuple[int, int]]
+    ) -> dict[tuple[int, int], int]:
+        """Frame instances to global ones: the best unassigned of the same class, else fresh."""
+        labels_of: dict[tuple[int, int], list[int]] = {}
+        for label, key in zip(labels, instances, strict=True):
+            if label and key != _NO_INSTANCE:
+                labels_of.setdefault(key, []).append(label)
+        global_of = {key: self.instances.of_stuff(key[0]) for key in labels_of if key[1] == 0}
+        keys, claims = sorted(labels_of), {}
         for row, key in enumerate(keys):
             if key[1]:
-                for instance, count in self._instance_scores(key[0], groups[key]).items():
+                for instance, count in self._instance_scores(key[0], labels_of[key]).items():
                     claims[row, instance] = count
         for row, instance in one_to_one(claims, self.settings.association).items():
             global_of[keys[row]] = instance
@@ -265,10 +269,16 @@ def _most(counts: Mapping[int, int]) -> int:
     return min(counts, key=lambda key: (-counts[key], key))
 
 
-def _frame_instance(segment: int, class_of, instance_of) -> tuple[int, int]:
-    """(class, instance in the frame); instance 0 for stuff, (0, 0) for background."""
-    class_id, instance = int(class_of[segment]), int(instance_of[segment])
+def _frame_instances(class_of, instance_of) -> list[tuple[int, int]]:
+    """(class, instance in the frame) of each segment; instance 0 for stuff."""
+    return [
+        _frame_instance(class_id, instance)
+        for class_id, instance in zip(class_of.tolist(), instance_of.tolist(), strict=True)
+    ]
+
+
+def _frame_instance(class_id: int, instance: int) -> tuple[int, int]:
     kind = classes()[class_id].kind
     if kind in ("layout", "stuff"):
         return class_id, 0
-    return (class_id, instance) if kind == "thing" and instance else (0, 0)
+    return (class_id, instance) if kind == "thing" and instance else _NO_INSTANCE

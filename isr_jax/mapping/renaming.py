@@ -62,7 +62,9 @@ class Renaming:
         padded[: len(stale)] = stale + state.first_row
         table_of = np.zeros(size, np.int32)
         table_of[: len(stale)] = np.searchsorted(generations, state.blocks.generation[stale])
-        labels = label_slots.relabel(labels, tables, padded, table_of, np.int32(len(stale)))
+        labels = label_slots.relabel(
+            labels, tables, padded, table_of, np.array(len(stale), np.int32)
+        )
         state.blocks.generation[stale] = self.generation
         return labels
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
@@ -60,7 +61,7 @@ def _counted(values, end: int):
 
 
 def assign_labels(
-    votes: Votes, min_votes: int, owner: Int[np.ndarray, " segments"], how: str = "greedy"
+    votes: Votes, min_votes: int, owner: Sequence[int], how: str = "greedy"
 ) -> Int[np.ndarray, " segments"]:
     """The map label of each segment; 0 where no label has ``min_votes`` left to give.
 
@@ -75,9 +76,9 @@ def assign_labels(
     pairs = list(zip(votes.segment[enough].tolist(), votes.label[enough].tolist(), strict=True))
     counts = dict(zip(pairs, votes.count[enough].tolist(), strict=True))
     chosen = one_to_one(counts, how) if how == "optimal" else {}
-    taken = {label: int(owner[segment]) for segment, label in chosen.items()}
+    taken = {label: owner[segment] for segment, label in chosen.items()}
     for segment, label in sorted(counts, key=lambda pair: (-counts[pair], pair)):
-        if segment not in chosen and taken.setdefault(label, int(owner[segment])) == owner[segment]:
+        if segment not in chosen and taken.setdefault(label, owner[segment]) == owner[segment]:
             chosen[segment] = label
     label_of = np.zeros(len(votes.total), np.int64)
     label_of[list(chosen)] = list(chosen.values())
