@@ -1,6 +1,6 @@
 """The voxels that a frame labels, and what they vote: each for its segment and its leading label.
 
-They are a tenth of the voxels that a frame updates, so they are listed, and what follows works on
+They are a seventh of the voxels in a frame's blocks, so they are listed, and what follows works on
 the list. Their positions are found on the host: XLA's own search takes ten times as long.
 """
 
