@@ -236,7 +236,7 @@ class LabelFusion:
 
         c = argmax_c sum_o Phi(l, c, o), background aside;  o = argmax_o Phi(l, c, o), if its count
         exceeds ``instance_count_ratio`` of the frames that saw the label otherwise, and o was seen
-        in ``instance_min_frames``.
+        in ``instance_min_frames``. Pair counts hold o for any class.
         """
         counts = self.counts[label]
         by_class: collections.Counter[int] = collections.Counter()

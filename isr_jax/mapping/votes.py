@@ -68,6 +68,9 @@ def assign_labels(
     Each label goes to one owner: a segment, or the instance that segments belong to.
 
     Args:
+        votes: Of a frame's segments.
+        min_votes: Voxels.
+        owner: Number of each segment's owner.
         how: ``greedy`` goes down from the largest count, ties to the lower segment, then to the
             lower label. ``optimal`` maximises the votes of a one-to-one assignment; segments that
             it leaves without a label then take, greedily, what is free or their owner's.
