@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from isr_jax.compile_cache import enable_compilation_cache
 from isr_jax.config import InputSettings, MappingSettings, preset, with_overrides
 from isr_jax.mapping import PanopticMapper
+from isr_jax.runtime.caches import enable_compilation_cache
 
 from .bandwidth import copy_bytes_per_s
 from .figures import Figure, Stopwatch, note, show

@@ -14,7 +14,7 @@ import jax
 from isr_jax.config import Settings, preset, with_overrides
 from isr_jax.datasets import open_sequence
 from isr_jax.errors import FrameError
-from isr_jax.fusing import segmented_frames
+from isr_jax.map_runs.frames import segmented_frames
 from isr_jax.mapping import PanopticMapper
 from isr_jax.segmentation import (
     Segmenter,

@@ -12,8 +12,8 @@ import trimesh
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
 from isr_jax.cad import default_library
-from isr_jax.compile_cache import enable_compilation_cache
 from isr_jax.config import NoiseModel
+from isr_jax.runtime.caches import enable_compilation_cache
 from isr_jax.synthetic import Room, make_room, render_sequence
 from isr_jax.synthetic.camera.cameras import default_camera
 from isr_jax.synthetic.camera.free_space import free_space

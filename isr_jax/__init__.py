@@ -21,11 +21,12 @@ if TYPE_CHECKING:
     from .cad import build_library, default_library, fit, load_library, open_library
     from .config import Settings, preset, with_overrides
     from .datasets import inspect_sequence, open_sequence
-    from .demonstration import demo, film_room
+    from .demonstration.demo import demo
+    from .demonstration.film import film_room
     from .errors import IsrError
     from .evaluation import evaluate
-    from .live import LiveMap
-    from .map_making import make_map
+    from .map_runs.live import LiveMap
+    from .map_runs.make_map import make_map
     from .pipeline import Scene, furnish, reconstruct, run
     from .scene_file import read_scene
     from .segmentation import open_segmenter
@@ -34,21 +35,21 @@ if TYPE_CHECKING:
 
 _HOME = {
     "IsrError": "errors",
-    "LiveMap": "live",
+    "LiveMap": "map_runs.live",
     "Scene": "pipeline",
     "Settings": "config",
     "align": "alignment",
     "alignment_error": "alignment",
     "build_library": "cad",
     "default_library": "cad",
-    "demo": "demonstration",
+    "demo": "demonstration.demo",
     "evaluate": "evaluation",
-    "film_room": "demonstration",
+    "film_room": "demonstration.film",
     "fit": "cad",
     "furnish": "pipeline",
     "inspect_sequence": "datasets",
     "load_library": "cad",
-    "make_map": "map_making",
+    "make_map": "map_runs.make_map",
     "open_library": "cad",
     "open_segmenter": "segmentation",
     "open_sequence": "datasets",

@@ -12,7 +12,6 @@ from . import (
     alignment,
     contact_graph,
     datasets,
-    drawing,
     entities,
     export,
     mapping,
@@ -21,16 +20,17 @@ from . import (
     segmentation,
     stability,
 )
+from .borders import drawing
 from .cad import default_library, open_library
 from .cad.collision import with_hulls
-from .cad_types import CadLibrary
 from .config import Settings, preset, settings_to_dict
-from .fusing import fuse
-from .reporter import LOGGER, Reporter, logged
-from .run_folder import RunFolder, versions
+from .library import CadLibrary
+from .map_runs.frames import fuse
+from .runtime.reporter import LOGGER, Reporter, logged
+from .runtime.run_folder import RunFolder, versions
+from .runtime.stage_runner import STAGES, StageRunner
+from .runtime.store import StageStore
 from .scene_file import SceneFile
-from .stage_runner import STAGES, StageRunner
-from .store import StageStore
 from .types import (
     Alignments,
     ContactGraph,

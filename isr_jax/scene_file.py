@@ -16,9 +16,9 @@ from typing import Any
 import jsonschema
 import numpy as np
 
-from .cad_types import CadLibrary
 from .errors import SceneError
 from .geometry import box_at
+from .library import CadLibrary
 from .types import ROOM, UNSUPPORTED, Box, Candidate, ContactGraph, Entities, Entity, Placement
 
 SCHEMA_VERSION = "1.0"

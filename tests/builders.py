@@ -6,9 +6,9 @@ import dataclasses
 
 import numpy as np
 
-from isr_jax.cad_types import CadLibrary, CadModel, held
 from isr_jax.classes import class_named
 from isr_jax.geometry.boxes import canonical_box
+from isr_jax.library import CadLibrary, CadModel, held
 from isr_jax.robot_model import Link, RobotModel, Visual
 from isr_jax.types import Entities, Entity, Mesh, PlaneSet
 

@@ -16,7 +16,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 
 def pytest_sessionstart() -> None:
     """Imported here, not above: the shape-checking import hook must come before the package."""
-    from isr_jax.compile_cache import enable_compilation_cache
+    from isr_jax.runtime.caches import enable_compilation_cache
 
     enable_compilation_cache()
 

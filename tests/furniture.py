@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from isr_jax.cad_types import CadLibrary, CadModel
+from isr_jax.library import CadLibrary, CadModel
 from isr_jax.robot_model import Joint, Link, RobotModel, Visual
 
 from .builders import box_mesh, library_of, parts_model, table_model, with_robot

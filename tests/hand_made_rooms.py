@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from isr_jax.cad_types import CadModel
+from isr_jax.library import CadModel
 from isr_jax.synthetic.room import LayoutPatch, PlacedModel, Room
 
 HALF_M, HEIGHT_M = 2.0, 2.4

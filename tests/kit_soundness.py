@@ -8,7 +8,7 @@ import pytest
 import trimesh
 from scipy.spatial import ConvexHull
 
-from isr_jax.cad_types import CadModel
+from isr_jax.library import CadModel
 from isr_jax.robot_model import link_transforms
 from isr_jax.types import Mesh
 

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from isr_jax.cad_types import CadModel, Handle, held
+from isr_jax.library import CadModel, Handle, held
 from isr_jax.robot_model import (
     Joint,
     Link,

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from isr_jax.cad_types import CadLibrary, CadModel
+from isr_jax.library import CadLibrary, CadModel
 from isr_jax.robot_model import Joint, Link, RobotModel, Visual, box_between
 from isr_jax.types import (
     ROOM,

@@ -43,7 +43,7 @@ from isr_jax import evaluation
 from isr_jax.cad import default_library
 from isr_jax.classes import class_named, classes
 from isr_jax.config import PRESETS, Settings, preset
-from isr_jax.demonstration import FilmPlan
+from isr_jax.demonstration.film import FilmPlan
 from isr_jax.errors import SequenceError, SettingError
 from isr_jax.evaluation.maps.panoptic import panoptic_quality
 from isr_jax.evaluation.maps.segments import Comparison, Segments

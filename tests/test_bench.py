@@ -29,7 +29,7 @@ from experiments.bench.table import BENCH
 from experiments.bench.truth_folder import TrueScene, read_true_scene
 from isr_jax import pipeline
 from isr_jax.cad import default_library
-from isr_jax.demonstration import FilmPlan
+from isr_jax.demonstration.film import FilmPlan
 from isr_jax.errors import LibraryError, OutputError, SceneError, SettingError
 from isr_jax.geometry import CUBE_ROTATIONS
 from isr_jax.scene_file import read_scene

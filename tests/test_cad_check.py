@@ -20,10 +20,10 @@ from isr_jax.cad.checking.planes import plane_faults
 from isr_jax.cad.checking.report import CHECKS
 from isr_jax.cad.checking.settings import CheckSettings
 from isr_jax.cad.checking.static import hull_problem
-from isr_jax.cad_types import CadModel
 from isr_jax.errors import LibraryError, SettingError
-from isr_jax.plain_text import plain_text
+from isr_jax.library import CadModel
 from isr_jax.robot_model import box_between
+from isr_jax.runtime.render_text import plain_text
 from isr_jax.types import Mesh, PlaneSet
 
 from .builders import library_of, parts_model, table_model

@@ -14,8 +14,8 @@ from isr_jax.cad.importing.converting.plausible import UNITS_M, largest_side_ran
 from isr_jax.cad.importing.found import FoundModel
 from isr_jax.cad.kit import make
 from isr_jax.cad.kit.surfaces import MIN_SUPPORT_SIDE_M
-from isr_jax.cad_types import CadModel
 from isr_jax.errors import LibraryError
+from isr_jax.library import CadModel
 from isr_jax.robot_model import Joint, Link, RobotModel, Visual, link_transforms
 from isr_jax.types import Mesh
 

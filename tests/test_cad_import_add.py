@@ -14,7 +14,7 @@ from isr_jax.cad.importing import add as add_module
 from isr_jax.cad.importing.add_report import REPORT_NAME
 from isr_jax.cad.importing.isolation import Failure, run_isolated
 from isr_jax.errors import ClassError, LibraryError, OutputError, SettingError
-from isr_jax.plain_text import plain_text
+from isr_jax.runtime.render_text import plain_text
 
 from .foreign_models import BOMB, MJCF, cube_obj, cube_stl, png, urdf, write, write_zip
 from .isolated_work import work

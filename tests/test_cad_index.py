@@ -18,10 +18,10 @@ import pytest
 
 from isr_jax.cad import index, load_library, open_library, save_model, validate_record
 from isr_jax.cad.packed_file import read_packed, write_packed
-from isr_jax.cad_arrays import MAX_MODEL_PLANES, counted_planes
-from isr_jax.cad_types import CadModel
 from isr_jax.errors import LibraryError
 from isr_jax.geometry.surface_samples import surface_samples
+from isr_jax.library import CadModel
+from isr_jax.library.arrays import MAX_MODEL_PLANES, counted_planes
 
 from .builders import box_mesh, library_of, table_model
 from .furniture import bookshelf_model, chair_model

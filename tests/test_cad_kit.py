@@ -17,8 +17,8 @@ import yourdfpy
 
 from isr_jax.cad import load_library
 from isr_jax.cad.kit import KIT
-from isr_jax.cad_types import CadLibrary, CadModel
 from isr_jax.classes import class_named
+from isr_jax.library import CadLibrary, CadModel
 from isr_jax.robot_model import link_transforms
 
 from . import kit_soundness as sound

@@ -15,9 +15,9 @@ from isr_jax.cad.kit import KIT, fit, make
 from isr_jax.cad.kit.appliances.catalogue import ROWS
 from isr_jax.cad.kit.appliances.computers import laptop
 from isr_jax.cad.kit.appliances.toilets import toilet
-from isr_jax.cad_types import CadModel
 from isr_jax.classes import class_named
 from isr_jax.errors import SettingError
+from isr_jax.library import CadModel
 from isr_jax.robot_model import link_transforms
 
 from . import kit_soundness as sound

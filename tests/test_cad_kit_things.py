@@ -25,8 +25,8 @@ from isr_jax.cad.kit.things.desk_lamps import arm_lamp
 from isr_jax.cad.kit.things.doors import door, double_door
 from isr_jax.cad.kit.things.vessels import bottle, bowl, cup
 from isr_jax.cad.kit.things.windows import casement_window
-from isr_jax.cad_types import CadModel
 from isr_jax.errors import SettingError
+from isr_jax.library import CadModel
 from isr_jax.robot_model import link_transforms
 
 from . import kit_soundness as sound

@@ -13,8 +13,8 @@ import pytest
 
 from isr_jax.cad import build_library, default_library, library, load_library, save_model
 from isr_jax.cad.kit import make
-from isr_jax.cad_types import CadModel
 from isr_jax.errors import LibraryError, OutputError
+from isr_jax.library import CadModel
 
 from .conftest import REPOSITORY
 from .test_robot_model_urdf import assert_same_mesh, assert_same_robot

@@ -24,9 +24,9 @@ from isr_jax.cad.pictures.sheet import (
     labelled,
 )
 from isr_jax.cad.poses import opened, travel_range
-from isr_jax.cad_types import CadModel, held
 from isr_jax.classes import classes
 from isr_jax.errors import OutputError, SettingError
+from isr_jax.library import CadModel, held
 from isr_jax.robot_model import Texture, Visual
 
 from .builders import table_model

@@ -8,9 +8,9 @@ import pytest
 
 from isr_jax import cli
 from isr_jax.classes import class_named, classes, label_table
+from isr_jax.classes.label_lists import LABEL_SETS, label_list
 from isr_jax.datasets.annotation_names import NYU40_NAMES
 from isr_jax.errors import ClassError
-from isr_jax.label_lists import LABEL_SETS, label_list
 
 
 def test_rows_are_unique_and_row_zero_is_none():

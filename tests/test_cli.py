@@ -75,7 +75,7 @@ def test_the_help_of_synth_teaches(isr):
 
 
 def test_a_process_of_its_own_ends_with_the_message_and_no_traceback(tmp_path):
-    command = [sys.executable, "-m", "isr_jax.cli", "inspect", str(tmp_path)]
+    command = [sys.executable, "-m", "isr_jax", "inspect", str(tmp_path)]
     ended = subprocess.run(command, cwd=REPOSITORY, capture_output=True, text=True, timeout=120)
     assert ended.returncode == 2, ended.stdout + ended.stderr
     assert ended.stderr.startswith("error:") and "Traceback" not in ended.stderr

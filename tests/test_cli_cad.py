@@ -14,7 +14,7 @@ from isr_jax import cli
 from isr_jax.cad import save_model
 from isr_jax.cad.kit.catalogue import KIT
 from isr_jax.cad.pictures.groups import grouped
-from isr_jax.cli_cad import OPEN_SHARE
+from isr_jax.cli.cad import OPEN_SHARE
 
 from .builders import table_model
 from .conftest import REPOSITORY

@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from isr_jax.cad_types import CadModel
 from isr_jax.errors import SceneError
 from isr_jax.evaluation.models.cad_alignment import AlignmentLimits
 from isr_jax.evaluation.models.cad_cases import CadCase, PosedModel, model_named
@@ -37,6 +36,7 @@ from isr_jax.evaluation.models.scan2cad import (
 )
 from isr_jax.geometry import CUBE_ROTATIONS, canonical_box
 from isr_jax.geometry.surface_samples import surface_samples
+from isr_jax.library import CadModel
 from isr_jax.scene_file import CadRecord, EntityRecord
 from isr_jax.types import Candidate
 

@@ -8,7 +8,6 @@ import itertools
 import numpy as np
 import pytest
 
-from isr_jax.cad_types import CadModel
 from isr_jax.errors import SceneError
 from isr_jax.evaluation.matches import Match
 from isr_jax.evaluation.models.affordance import (
@@ -28,6 +27,7 @@ from isr_jax.evaluation.models.relations import class_agreement
 from isr_jax.evaluation.models.replacement import ReplacementScores, score_replacement
 from isr_jax.evaluation.result_files import Result, Truth
 from isr_jax.evaluation.standing import read_standing
+from isr_jax.library import CadModel
 from isr_jax.robot_model import RobotModel
 from isr_jax.scene_file import CadRecord, EntityRecord, SceneFile
 from isr_jax.types import Candidate

@@ -14,7 +14,7 @@ import pytest
 import trimesh
 import yourdfpy
 
-from isr_jax import simulation
+from isr_jax.borders import simulation
 from isr_jax.config import ExportSettings
 from isr_jax.errors import OutputError, SceneError
 from isr_jax.export import export_scene

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from isr_jax import simulation
+from isr_jax.borders import simulation
 from isr_jax.errors import OutputError
 from isr_jax.robot_model import Joint, Link, RobotModel, Texture, Visual, box_between, scaled
 from isr_jax.robot_model.mesh_files import MeshFiles

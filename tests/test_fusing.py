@@ -9,14 +9,14 @@ import jax
 import numpy as np
 import pytest
 
-from isr_jax import fusing
 from isr_jax.datasets import open_sequence
 from isr_jax.errors import FrameError
+from isr_jax.map_runs import frames as fusing
 from isr_jax.mapping import PanopticMapper
-from isr_jax.reporter import LogReporter
+from isr_jax.runtime.prefetch import map_ahead
+from isr_jax.runtime.reporter import LogReporter
+from isr_jax.runtime.stage_runner import StageRunner
 from isr_jax.segmentation import open_segmenter, segment_frame
-from isr_jax.stage_runner import StageRunner
-from isr_jax.working_ahead import map_ahead
 
 from .films import FRAMES, Recorder, coarse, film  # noqa: F401 (a fixture)
 

@@ -13,13 +13,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from isr_jax import cli, live
+from isr_jax import cli
 from isr_jax.classes import class_named, classes
 from isr_jax.config import preset, with_overrides
 from isr_jax.errors import FrameError, MapError, SequenceError
-from isr_jax.live import LiveMap
-from isr_jax.map_files import UNLABELLED, map_instances, write_map
-from isr_jax.map_making import make_map
+from isr_jax.map_runs import live
+from isr_jax.map_runs.live import LiveMap
+from isr_jax.map_runs.make_map import make_map
+from isr_jax.map_runs.map_files import UNLABELLED, map_instances, write_map
 from isr_jax.types import Camera, Mesh, PanopticFrame, PanopticSurface
 
 from .conftest import REPOSITORY

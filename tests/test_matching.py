@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from isr_jax.cad_types import CadModel
 from isr_jax.config import ContactGraphSettings, MatchingSettings, preset
 from isr_jax.geometry import CUBE_ROTATIONS, canonical_box, transform_planes
+from isr_jax.library import CadModel
 from isr_jax.matching import assignment_cost, match, matching_errors
 from isr_jax.matching.features import carrying_planes, entity_rows, model_columns
 from isr_jax.types import ROOM, UNSUPPORTED, Box, ContactGraph, Entities, Entity, Mesh, PlaneSet

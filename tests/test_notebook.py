@@ -10,7 +10,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from isr_jax.user_cache import user_cache_dir
+from isr_jax.runtime.caches import user_cache_dir
 
 from .conftest import REPOSITORY
 

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 import yourdfpy
 
-from isr_jax import pipeline, simulation
+from isr_jax import pipeline
+from isr_jax.borders import simulation
 from isr_jax.cad import default_library
-from isr_jax.demonstration import film_room
+from isr_jax.demonstration.film import film_room
 from isr_jax.errors import OutputError, SettingError
 from isr_jax.robot_model.mesh_files import MeshFiles
 from isr_jax.robot_model.mjcf import ContactModel, add_robot, spec_xml

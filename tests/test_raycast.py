@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from isr_jax.raycast import MISS, RayScene, camera_rays
+from isr_jax.borders.raycast import MISS, RayScene, camera_rays
 from isr_jax.types import Camera, Mesh
 
 from .builders import box_mesh, rotation_z

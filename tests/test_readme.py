@@ -33,7 +33,7 @@ COMMANDS = sorted(
 @functools.cache
 def help_of(*command: str) -> str:
     result = subprocess.run(
-        [sys.executable, "-m", "isr_jax.cli", *command, "--help"],
+        [sys.executable, "-m", "isr_jax", *command, "--help"],
         cwd=REPOSITORY,
         capture_output=True,
         text=True,

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from isr_jax.cad import default_library
-from isr_jax.cad_types import CadLibrary
-from isr_jax.errors import SceneError
-from isr_jax.room_making import (
+from isr_jax.demonstration.room_making import (
     MAX_DRIFT_M,
     MAX_PENETRATION_M,
     StandingRoom,
     made_to_stand,
     standing_room,
 )
+from isr_jax.errors import SceneError
+from isr_jax.library import CadLibrary
 from isr_jax.scene_file import read_scene
 from isr_jax.synthetic import Room
 from isr_jax.synthetic.room import ROOM_KINDS, PlacedModel

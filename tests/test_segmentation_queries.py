@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from isr_jax.classes import classes
+from isr_jax.classes.label_lists import label_list
 from isr_jax.config import SegmentationSettings
 from isr_jax.errors import SegmenterError
-from isr_jax.label_lists import label_list
 from isr_jax.segmentation import BatchSegmenter, OnnxModel, PanopticModel, open_segmenter
 from isr_jax.segmentation.mask_queries import decode_queries
 

@@ -9,8 +9,8 @@ import pytest
 from onnx import helper
 
 from isr_jax.classes import classes
+from isr_jax.classes.label_lists import LABEL_SETS
 from isr_jax.config import SegmentationSettings
-from isr_jax.label_lists import LABEL_SETS
 from isr_jax.segmentation import open_segmenter
 from isr_jax.segmentation.sidecar import DECODERS, ROLES, parse_sidecar
 

@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from isr_jax import simulation
-from isr_jax.drawing import draw_scene
+from isr_jax.borders import simulation
+from isr_jax.borders.drawing import draw_scene
 from isr_jax.errors import OutputError, SceneError
 from isr_jax.robot_model.mjcf import ContactModel
 

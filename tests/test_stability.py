@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from isr_jax.borders.simulation import Trajectory
 from isr_jax.config import ExportSettings, StabilitySettings
 from isr_jax.errors import SceneError
 from isr_jax.evaluation.standing import read_standing
 from isr_jax.export import export_scene
 from isr_jax.scene_file import read_scene, write_scene
-from isr_jax.simulation import Trajectory
 from isr_jax.stability import settle
 from isr_jax.stability.measures import (
     body_motions,

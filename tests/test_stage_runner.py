@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from isr_jax.errors import SettingError
-from isr_jax.stage_runner import STAGES, StageRunner
-from isr_jax.store import StageStore
+from isr_jax.runtime.stage_runner import STAGES, StageRunner
+from isr_jax.runtime.store import StageStore
 
 
 class Recorder:

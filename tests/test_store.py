@@ -14,7 +14,7 @@ from hypothesis.extra import numpy as hnp
 
 from isr_jax.config import MatchingSettings, Settings
 from isr_jax.errors import OutputError
-from isr_jax.store import StageStore, content_hash
+from isr_jax.runtime.store import StageStore, content_hash
 from isr_jax.types import Box, Candidate, ContactGraph, Entities, Mesh, Placement
 
 from .builders import box_entity, floor_entity, library_of, scene_of, table_model

@@ -28,21 +28,7 @@ STAGES = {
     "synthetic",
     "viewer",
 }
-COMPOSERS = {
-    "pipeline",
-    "fusing",
-    "sweep",
-    "cli",
-    "cli_cad",
-    "demonstration",
-    "live",
-    "map_files",
-    "map_making",
-    "room_making",
-    "summary",
-    "__init__",
-    "__main__",
-}
+COMPOSERS = {"pipeline", "map_runs", "demonstration", "cli", "__init__", "__main__"}
 """The only modules that may import stages."""
 
 

@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 import pytest
 
+from isr_jax.borders.raycast import camera_rays
 from isr_jax.classes import class_named
 from isr_jax.config import PoseNoise
-from isr_jax.raycast import camera_rays
 from isr_jax.robot_model import link_transforms
 from isr_jax.scene_file import read_scene
 from isr_jax.synthetic import NO_NOISE, Room, make_room, render_sequence, true_entities

@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from isr_jax.cad_types import CadModel
+from isr_jax.borders.raycast import RayScene
 from isr_jax.geometry import canonical_box
-from isr_jax.raycast import RayScene
+from isr_jax.library import CadModel
 from isr_jax.synthetic import LayoutPatch, PlacedModel, Room, make_room
 from isr_jax.synthetic.furnishing.clearance import meshes_apart
 from isr_jax.synthetic.furnishing.kinds import DEMONSTRATION, RECIPES

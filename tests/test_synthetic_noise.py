@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 import pytest
 
+from isr_jax.borders.raycast import camera_rays
 from isr_jax.config import NoiseModel, PoseNoise
 from isr_jax.errors import SettingError
-from isr_jax.raycast import camera_rays
 from isr_jax.synthetic import NO_NOISE
 from isr_jax.synthetic.camera.cameras import CAMERAS, default_camera, named_camera
 from isr_jax.synthetic.camera.drift import NO_DRIFT, tracked_path

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from isr_jax.borders.raycast import RayScene
 from isr_jax.cad import default_library
-from isr_jax.cad_types import CadLibrary
 from isr_jax.errors import LibraryError, SettingError
 from isr_jax.geometry import convex_part, depth_inside
-from isr_jax.raycast import RayScene
+from isr_jax.library import CadLibrary
 from isr_jax.robot_model import link_transforms
 from isr_jax.scene_file import ROOM_NAME, read_scene, write_scene
 from isr_jax.synthetic import (

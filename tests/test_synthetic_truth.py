@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from isr_jax.borders.raycast import RayScene
 from isr_jax.cad import default_library
 from isr_jax.classes import class_named
 from isr_jax.config import ExportSettings
@@ -17,7 +18,6 @@ from isr_jax.export.bodies import scene_bodies
 from isr_jax.export.convex import hull_of_mesh, penetration_depth
 from isr_jax.export.slabs import slab_hull, slabs_of
 from isr_jax.geometry import box_corners
-from isr_jax.raycast import RayScene
 from isr_jax.robot_model import Texture, link_transforms
 from isr_jax.scene_file import ROOM_NAME, read_scene
 from isr_jax.synthetic import Room, make_room, true_entities, true_graph, true_placements

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from isr_jax.borders.raycast import RayScene
 from isr_jax.errors import LibraryError, OutputError, SceneError, SequenceError
-from isr_jax.raycast import RayScene
 from isr_jax.robot_model import Texture
 from isr_jax.synthetic import NO_NOISE, Room, make_room, render_sequence
 from isr_jax.synthetic.camera.free_space import CLEAR_M, FreeSpace, clearance_m, free_space, route

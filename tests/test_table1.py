@@ -18,7 +18,7 @@ from experiments.table1.printing import table
 from experiments.table1.rows import ALL, RELEASED_WAY, THEIRS, ExactScores, exact_rows, source_name
 from isr_jax.errors import SequenceError
 from isr_jax.evaluation import BoxRow, BoxScores, ClassQuality, InstanceScores, PanopticScores
-from isr_jax.plain_text import plain_text
+from isr_jax.runtime.render_text import plain_text
 
 from . import datasets_room as room
 from . import scan_formats as scans

@@ -20,7 +20,7 @@ from experiments.bench.held_out import split_libraries
 from experiments.bench.plan import SPLITS, room_specs
 from experiments.bench.sheets import Sheet
 from experiments.bench.table import refuse_without_pyarrow
-from isr_jax.demonstration import FilmPlan, image_size
+from isr_jax.demonstration.film import FilmPlan, image_size
 from isr_jax.errors import LibraryError
 
 from .diagnosis_sheets import diagnosis_sheets

@@ -12,7 +12,7 @@ from experiments.bench.keeping import keep, kept, with_trace
 from experiments.bench.one_run import COST, FAILED, RUN
 from experiments.bench.rows import Value, scored
 from experiments.bench.table import TidyTable
-from isr_jax.run_folder import versions
+from isr_jax.runtime.run_folder import versions
 
 from .code_digest import WHOLE, code_digest
 from .diagnose import Loss, losses

@@ -7,10 +7,10 @@ import json
 from pathlib import Path
 
 from experiments.bench.plan import LEVELS, RoomSpec
-from isr_jax.cad_types import CadLibrary
 from isr_jax.config import Settings
-from isr_jax.demonstration import FilmPlan
+from isr_jax.demonstration.film import FilmPlan
 from isr_jax.errors import SettingError
+from isr_jax.library import CadLibrary
 
 from .map_film import MaskedFilm
 from .variants import PRESET_GROUP, chosen, variant

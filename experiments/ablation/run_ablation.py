@@ -10,8 +10,8 @@ from experiments.bench.plan import RoomSpec
 from experiments.bench.room_work import film_problem
 from experiments.bench.workers import NO_FILM, Ended, Said, run_works
 from isr_jax.cad import default_library, open_library
-from isr_jax.cad_types import CadLibrary
-from isr_jax.demonstration import is_filmed
+from isr_jax.demonstration.film import is_filmed
+from isr_jax.library import CadLibrary
 
 from .map_run import TABLE, MapRow, failed_row, finish_run, kept_values, rows_of
 from .plan import AblationPlan, MapRun

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Int
 
-from isr_jax.cad_types import CadLibrary
 from isr_jax.evaluation import BoxScores, InstanceScores, PanopticScores
 from isr_jax.evaluation.maps.boxes import score_boxes
 from isr_jax.evaluation.maps.instances import score_instances
@@ -18,6 +17,7 @@ from isr_jax.evaluation.maps.panoptic import panoptic_scores
 from isr_jax.evaluation.maps.segments import Comparison, compare_segments
 from isr_jax.evaluation.result_files import Result, Truth, read_truth
 from isr_jax.export.labels import final_labels
+from isr_jax.library import CadLibrary
 from isr_jax.scene_file import scene_from_stages
 from isr_jax.types import PanopticSurface, Placement
 

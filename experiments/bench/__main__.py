@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from isr_jax.demonstration import FilmPlan, image_size
+from isr_jax.demonstration.film import FilmPlan, image_size
 from isr_jax.errors import LibraryError
 
 from .command import (

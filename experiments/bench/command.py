@@ -11,8 +11,8 @@ from typing import Any, Protocol
 import tyro
 from rich.console import Console
 
-from isr_jax.compile_cache import enable_compilation_cache
 from isr_jax.errors import IsrError, OutputError, SettingError
+from isr_jax.runtime.caches import enable_compilation_cache
 
 from .plan import SPLITS
 from .sheets import Sheet, write_markdown

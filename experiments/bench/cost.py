@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from isr_jax.reporter import Reporter
+from isr_jax.runtime.reporter import Reporter
 
 _STATUS, _CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 _RESET_PEAK = "5"

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from rich.console import Console
 
-from isr_jax.console import ConsoleReporter
 from isr_jax.errors import LibraryError
-from isr_jax.reporter import Reporter
-from isr_jax.user_cache import user_cache_dir
+from isr_jax.runtime.caches import user_cache_dir
+from isr_jax.runtime.console import ConsoleReporter
+from isr_jax.runtime.reporter import Reporter
 
 from .plan import HELD_OUT
 

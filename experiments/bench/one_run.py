@@ -24,13 +24,13 @@ from isr_jax import (
     segmentation,
     stability,
 )
-from isr_jax.cad_types import CadLibrary
 from isr_jax.config import Settings, settings_to_dict
+from isr_jax.library import CadLibrary
 from isr_jax.pipeline import RunResult
-from isr_jax.reporter import Reporter
-from isr_jax.run_folder import RunFolder, versions
-from isr_jax.stage_runner import StageRunner
-from isr_jax.store import StageStore
+from isr_jax.runtime.reporter import Reporter
+from isr_jax.runtime.run_folder import RunFolder, versions
+from isr_jax.runtime.stage_runner import StageRunner
+from isr_jax.runtime.store import StageStore
 
 from .cost import CostMeter
 from .keeping import keep, kept, with_trace

@@ -7,11 +7,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from isr_jax.cad_types import CadLibrary, CadModel
 from isr_jax.geometry import CUBE_ROTATIONS
-from isr_jax.reporter import Reporter
+from isr_jax.library import CadLibrary, CadModel
+from isr_jax.runtime.reporter import Reporter
+from isr_jax.runtime.stage_runner import StageRunner
 from isr_jax.scene_file import CadRecord, EntityRecord
-from isr_jax.stage_runner import StageRunner
 from isr_jax.types import (
     Alignments,
     AlignmentStatus,

@@ -6,7 +6,7 @@ import dataclasses
 from pathlib import Path
 
 from isr_jax.config import Settings, preset, with_overrides
-from isr_jax.demonstration import FilmPlan
+from isr_jax.demonstration.film import FilmPlan
 from isr_jax.errors import SettingError
 from isr_jax.synthetic.room import ROOM_KINDS
 

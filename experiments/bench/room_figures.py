@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from isr_jax.demonstration.room_making import TAKEN_AWAY
 from isr_jax.errors import SceneError
-from isr_jax.room_making import TAKEN_AWAY
 
 from .sheets import Sheet
 

@@ -8,9 +8,9 @@ import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
-from isr_jax.cad_types import CadLibrary
-from isr_jax.demonstration import FilmPlan, film_room
-from isr_jax.reporter import LogReporter
+from isr_jax.demonstration.film import FilmPlan, film_room
+from isr_jax.library import CadLibrary
+from isr_jax.runtime.reporter import LogReporter
 
 from .keeping import one_line
 from .one_run import TRACEBACK, Libraries, finish_run

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from isr_jax.demonstration import is_filmed
+from isr_jax.demonstration.film import is_filmed
 
 from .one_run import Libraries, failed_row, kept_rows, run_key
 from .plan import Plan, Run

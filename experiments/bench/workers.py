@@ -13,7 +13,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any, Protocol, TypeVar
 
-from isr_jax.compile_cache import enable_compilation_cache
+from isr_jax.runtime.caches import enable_compilation_cache
 
 from .plan import RoomSpec
 

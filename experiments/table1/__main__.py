@@ -10,9 +10,7 @@ from pathlib import Path
 import tyro
 from rich.console import Console
 
-from isr_jax.compile_cache import enable_compilation_cache
 from isr_jax.config import Settings, preset, with_overrides
-from isr_jax.console import ConsoleReporter
 from isr_jax.errors import IsrError, SequenceError
 from isr_jax.evaluation.maps.released_code import (
     MIN_VERTICES,
@@ -20,7 +18,9 @@ from isr_jax.evaluation.maps.released_code import (
     ReleasedCounts,
     pooled,
 )
-from isr_jax.reporter import LOGGER, LogReporter, Reporter
+from isr_jax.runtime.caches import enable_compilation_cache
+from isr_jax.runtime.console import ConsoleReporter
+from isr_jax.runtime.reporter import LOGGER, LogReporter, Reporter
 
 from ..published import POOLED, PublishedFigure, read_published
 from .one_sequence import SequenceScores, score_sequence

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from isr_jax import contact_graph, datasets, entities, segmentation
-from isr_jax.cad_types import CadLibrary
 from isr_jax.classes import classes
 from isr_jax.config import Settings
 from isr_jax.evaluation.maps.boxes import score_boxes
@@ -27,12 +26,13 @@ from isr_jax.evaluation.maps.segments import compare_segments
 from isr_jax.evaluation.result_files import Result, read_truth
 from isr_jax.export.labels import final_labels
 from isr_jax.geometry.boxes import box_at
+from isr_jax.library import CadLibrary
 from isr_jax.pipeline import map_sequence
-from isr_jax.reporter import Reporter
-from isr_jax.run_folder import RunFolder
+from isr_jax.runtime.reporter import Reporter
+from isr_jax.runtime.run_folder import RunFolder
+from isr_jax.runtime.stage_runner import StageRunner
+from isr_jax.runtime.store import StageStore
 from isr_jax.scene_file import scene_from_stages
-from isr_jax.stage_runner import StageRunner
-from isr_jax.store import StageStore
 from isr_jax.types import (
     Box,
     ContactGraph,

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import jax
 import numpy as np
 
-from ..cad_types import CadLibrary
 from ..config import AlignmentSettings
 from ..geometry import CUBE_ROTATIONS
+from ..library import CadLibrary
 from ..types import Alignments, ContactGraph, Entities, Shortlist
 from .error import alignment_errors
 from .hidden import slide_hidden, spread

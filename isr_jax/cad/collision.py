@@ -14,9 +14,9 @@ import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from ..cad_types import CadModel, held
 from ..errors import SettingError
-from ..user_cache import user_cache_dir
+from ..library import CadModel, held
+from ..runtime.caches import user_cache_dir
 from .hulls.link_hulls import METHODS, Method
 from .hulls.model_hulls import LinkShape, ModelHulls, link_shapes, model_hulls
 from .hulls.packing import packed_hulls, packed_shapes, unpacked_hulls

@@ -21,11 +21,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..cad_types import CadModel
 from ..geometry.surface_samples import SurfaceSamples, surface_samples
+from ..library import CadModel
 from ..robot_model import merged_mesh
+from ..runtime.caches import user_cache_dir
 from ..types import PlaneSet
-from ..user_cache import user_cache_dir
 from .model_files import read_model, read_record, robot_loader
 from .packed_file import read_packed, write_packed
 from .records import Record, model_of, planes_of

@@ -7,9 +7,9 @@ import logging
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..cad_types import CadLibrary, CadModel
 from ..errors import LibraryError
-from ..user_cache import user_cache_dir
+from ..library import CadLibrary, CadModel
+from ..runtime.caches import user_cache_dir
 from .index import Progress, models_below
 from .kit.catalogue import KIT, make
 from .model_files import save_model

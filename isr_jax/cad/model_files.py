@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..cad_types import CadModel, held
 from ..errors import LibraryError, OutputError, SceneError
+from ..library import CadModel, held
 from ..robot_model import RobotModel, read_urdf, urdf_files
 from ..robot_model.mtl import IMAGE_ENDINGS
 from .records import (

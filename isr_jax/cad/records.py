@@ -13,10 +13,10 @@ import jsonschema
 import numpy as np
 from jaxtyping import Bool
 
-from ..cad_types import CadModel, Handle
 from ..classes import class_named
 from ..errors import ClassError, LibraryError
 from ..geometry.surface_samples import SurfaceSamples
+from ..library import CadModel, Handle
 from ..robot_model import RobotModel
 from ..robot_model.obj import numbers
 from ..types import Array, PlaneSet

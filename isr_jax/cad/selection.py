@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Sequence
 
-from ..cad_types import CadLibrary, CadModel
 from ..errors import LibraryError
+from ..library import CadLibrary, CadModel
 
 
 def of_classes(library: CadLibrary, class_names: Sequence[str]) -> list[CadModel]:

@@ -10,7 +10,7 @@ from rich.console import Group, RenderableType
 from rich.markup import escape
 from rich.table import Table
 
-from ..cad_types import CadLibrary, CadModel, Handle
+from ..library import CadLibrary, CadModel, Handle
 from ..robot_model import Joint
 
 

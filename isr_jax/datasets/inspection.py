@@ -12,7 +12,7 @@ from rich.table import Table
 
 from ..config import InputSettings
 from ..errors import FrameError, IsrError
-from ..plain_text import plain_text
+from ..runtime.render_text import plain_text
 from ..types import Camera
 from .checks import (
     Samples,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ..errors import FrameError
+from ..runtime.prefetch import map_ahead
 from ..types import Frame, Sequence
-from ..working_ahead import map_ahead
 
 
 def prefetch(

@@ -11,7 +11,7 @@ from rich.console import Group
 from rich.table import Table
 
 from ..errors import OutputError
-from ..plain_text import plain_text
+from ..runtime.render_text import plain_text
 from .figures import Headline, percent
 from .graphs.graph_scores import AttachmentScores, EdgeScores
 from .graphs.support_planes import SupportPlaneScores

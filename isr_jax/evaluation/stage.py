@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..cad_types import CadLibrary
+from ..library import CadLibrary
 from ..types import Box
 from .graphs.graph_scores import score_attachments, score_proximal, score_supports
 from .graphs.support_planes import score_support_planes

@@ -6,11 +6,11 @@ import dataclasses
 
 import numpy as np
 
-from ..cad_types import CadLibrary, CadModel
 from ..classes import class_named
 from ..config import ExportSettings
 from ..errors import SceneError
 from ..geometry import box_corners
+from ..library import CadLibrary, CadModel
 from ..robot_model import Link, RobotModel, link_transforms, scaled
 from ..robot_model.naming import named_in_scene
 from ..types import ContactGraph, Entities, Entity, Mesh, Placement

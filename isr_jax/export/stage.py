@@ -7,9 +7,9 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ..cad_types import CadLibrary
 from ..config import ExportSettings
 from ..errors import OutputError
+from ..library import CadLibrary
 from ..scene_file import SceneFile, scene_from_stages, write_scene
 from ..types import ContactGraph, Entities, PanopticSurface, Placement
 from .bodies import Body, scene_bodies

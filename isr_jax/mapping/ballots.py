@@ -14,8 +14,8 @@ import numpy as np
 from jax import lax
 from jaxtyping import Int, UInt16, UInt32
 
+from ..runtime.wide_vectors import wide_jit
 from ..types import Array
-from ..wide_jit import wide_jit
 from .fuse import LABELLED, SEGMENT_SHIFT, VOTES
 from .pool import BLOCK_VOXELS, LABEL_MASK
 

@@ -28,8 +28,8 @@ import numpy as np
 from jax import lax
 from jaxtyping import Bool, Float, Int, UInt16
 
+from ..runtime.wide_vectors import platform_of, wide_jit
 from ..types import Array, Camera
-from ..wide_jit import platform_of, wide_jit
 from .packing import DEPTH_STEP_M, SEGMENT_BITS, SEGMENT_MASK, PackedFrames
 from .pool import BLOCK_SIDE, BLOCK_VOXELS, VOXEL_OFFSETS, VoxelPool
 

@@ -9,8 +9,8 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Bool, Int, UInt32
 
+from ..runtime.wide_vectors import wide_jit
 from ..types import Array
-from ..wide_jit import wide_jit
 from .ballots import CHUNK_VOXELS, SeenVoxels, part
 from .pool import LABEL_BITS, LABEL_MASK, MAX_COUNT, ROW_MULTIPLE, LabelSlots
 

@@ -6,8 +6,8 @@ import jax
 import numpy as np
 from jaxtyping import Int
 
-from ..cad_arrays import LibraryArrays, counted_planes
-from ..cad_types import CadModel
+from ..library import CadModel
+from ..library.arrays import LibraryArrays, counted_planes
 from ..types import ContactGraph, Entity, PlaneSet
 from .costs import EntityFeatures, ModelFeatures
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Int
 
-from ..cad_types import CadLibrary
 from ..classes import class_named
+from ..library import CadLibrary
 from ..types import UNSUPPORTED, ContactGraph
 
 _HUNG = ("wall", "opening")

@@ -10,10 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
-from ..cad_arrays import MAX_MODEL_PLANES
-from ..cad_types import CadLibrary
 from ..config import MatchingSettings
 from ..geometry import CUBE_ROTATIONS
+from ..library import CadLibrary
+from ..library.arrays import MAX_MODEL_PLANES
 from ..types import Array, ContactGraph, Entity
 from .assignment import assignment_cost
 from .costs import EntityFeatures, ModelFeatures, pair_terms

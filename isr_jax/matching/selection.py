@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float, Int
 
-from ..cad_types import CadLibrary
 from ..config import MatchingSettings
 from ..geometry import CUBE_ROTATIONS
+from ..library import CadLibrary
 
 _UPRIGHT_TURNS = 4
 """The first of `CUBE_ROTATIONS` are the turns about z."""

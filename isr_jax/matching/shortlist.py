@@ -9,11 +9,11 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.optimize import linear_sum_assignment
 
-from ..cad_arrays import MAX_MODEL_PLANES
-from ..cad_types import CadLibrary
 from ..classes import class_named
 from ..config import ContactGraphSettings, MatchingSettings
 from ..geometry import CUBE_ROTATIONS
+from ..library import CadLibrary
+from ..library.arrays import MAX_MODEL_PLANES
 from ..types import ContactGraph, Entities, Shortlist
 from .costs import pair_terms
 from .features import (

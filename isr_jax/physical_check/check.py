@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ..cad_types import CadLibrary
 from ..config import PhysicalCheckSettings
+from ..library import CadLibrary
 from ..types import Alignments, ContactGraph, Entities, Placement, Shortlist
 from .arrangement import Scene
 from .options import options_of

@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
-from ..cad_types import CadLibrary, CadModel
 from ..config import PhysicalCheckSettings
 from ..geometry import box_at, footprint_corners
+from ..library import CadLibrary, CadModel
 from ..types import Alignments, AlignmentStatus, ContactGraph, Entities, Shortlist
 from .contact import contact_ratios
 from .layout import LayoutPlane, cleared_of_layout, layout_planes

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..cad_types import CadLibrary
 from ..classes import class_named
+from ..library import CadLibrary
 from ..types import Alignments, AlignmentStatus, Candidate, Entity, Placement, Shortlist
 from .arrangement import Arrangement
 from .search import Search, collision

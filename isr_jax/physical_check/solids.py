@@ -13,8 +13,8 @@ import fcl
 import numpy as np
 from jaxtyping import Float
 
-from ..cad_types import CadModel
 from ..geometry import ConvexPart, convex_part, depth_inside, moved_part, penetration
+from ..library import CadModel
 from ..robot_model import link_transforms
 
 _STRAY_POINTS = 8

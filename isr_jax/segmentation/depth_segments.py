@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ..config import SegmentationSettings
+from ..runtime.wide_vectors import wide_jit
 from ..types import Camera
-from ..wide_jit import wide_jit
 from .components import connected_components
 from .depth_kernels import interior_map, join_edges
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ..classes import class_named, label_table
+from ..classes.label_lists import label_list
 from ..errors import ClassError, SegmenterError
-from ..label_lists import label_list
 
 
 @dataclasses.dataclass(frozen=True)

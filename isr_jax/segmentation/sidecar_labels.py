@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..classes import class_named, label_table
+from ..classes.label_lists import LABEL_SETS, label_list
 from ..errors import ClassError, SegmenterError
-from ..label_lists import LABEL_SETS, label_list
 from .sidecar_checks import one_of
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import simulation
+from ..borders import simulation
 from ..config import StabilitySettings
 from ..scene_file import SceneFile, read_scene
 from .measures import body_motions, joint_motions, left_room, rates, variant_rates

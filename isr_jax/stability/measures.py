@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ..simulation import Trajectory
+from ..borders.simulation import Trajectory
 from .report import BodyMotion, JointMotion, Rates, VariantRates
 
 PHYRECON_S, PHYRECON_DROP_M, PHYRECON_TILT = 200 / 60, 0.05, np.deg2rad(5.0)

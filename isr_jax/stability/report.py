@@ -12,7 +12,7 @@ from rich.console import Group
 from rich.table import Table
 
 from ..errors import OutputError
-from ..plain_text import plain_text
+from ..runtime.render_text import plain_text
 
 
 @dataclasses.dataclass(frozen=True)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..cad_types import CadModel
-from ..raycast import RayScene
+from ..borders.raycast import RayScene
+from ..library import CadModel
 from ..robot_model import link_transforms
 from ..types import Mesh
 from .cutting import cut_edges, face_normals

@@ -8,9 +8,9 @@ import functools
 import numpy as np
 from jaxtyping import Float
 
-from ..cad_types import CadModel
 from ..classes import class_named
 from ..geometry import canonical_box, smallest_rotation
+from ..library import CadModel
 from ..types import Box, Mesh
 
 ROOM_KINDS = ("kitchen", "office", "living", "bedroom", "meeting")

@@ -11,8 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import Literal
 
-from ...cad_types import CadLibrary, CadModel
 from ...errors import IsrError, LibraryError
+from ...library import CadLibrary, CadModel
 from ..collision import Method, with_hulls
 from ..model_files import load_model
 from .model import check_model, unread

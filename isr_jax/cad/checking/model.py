@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ...cad_types import CadModel, Handle
 from ...errors import IsrError
+from ...library import CadModel, Handle
 from ...robot_model import Joint, RobotModel
 from ..model_files import model_files
 from ..records import check_links, check_record

@@ -18,7 +18,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from ...cad_types import CadModel, Handle
+from ...library import CadModel, Handle
 from ...robot_model import Joint, RobotModel, link_transforms
 from ...robot_model.mesh_files import MeshFiles
 from ...robot_model.mjcf import ContactModel, add_robot, set_contact

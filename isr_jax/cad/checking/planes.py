@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...cad_types import CadModel
-from ...raycast import RayScene
+from ...borders.raycast import RayScene
+from ...library import CadModel
 from .settings import CheckSettings
 from .static import shortened
 

@@ -9,8 +9,8 @@ import itertools
 
 import numpy as np
 
-from ...cad_types import CadModel
 from ...classes import class_named
+from ...library import CadModel
 from ...robot_model import Joint, Link, RobotModel
 from ...types import Mesh
 from .settings import CheckSettings

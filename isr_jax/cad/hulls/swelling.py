@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import KDTree
 
-from ...raycast import RayScene
+from ...borders.raycast import RayScene
 from ...types import Mesh
 from ..kit.surfaces import sphere_directions
 from .solid import Hull

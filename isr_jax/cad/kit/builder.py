@@ -6,8 +6,8 @@ import dataclasses
 
 import numpy as np
 
-from ...cad_types import CadModel, Handle, held
 from ...classes import class_named
+from ...library import CadModel, Handle, held
 from ...robot_model import Joint, Link, RobotModel, Visual, combined_properties, solid_properties
 from ...robot_model.model import JointKind
 from ...types import PlaneSet

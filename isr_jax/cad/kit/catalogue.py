@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 import itertools
 
-from ...cad_types import CadModel
 from ...errors import SettingError
+from ...library import CadModel
 from .appliances import catalogue as appliances
 from .furniture import (
     catalogue_bedroom,

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...cad_types import CadModel
 from ...errors import SettingError
+from ...library import CadModel
 from .builder import ModelBuilder
 from .catalogue import row_of
 from .rows import Row

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...cad_types import CadModel
+from ...library import CadModel
 
 GROUPS: dict[str, tuple[str, ...]] = {
     "chairs": ("chair", "stool", "bench"),

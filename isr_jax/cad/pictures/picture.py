@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from ...cad_types import CadModel
-from ...raycast import RayHits, RayScene, camera_rays
+from ...borders.raycast import RayHits, RayScene, camera_rays
+from ...library import CadModel
 from ...robot_model import link_transforms
 from ...types import Camera, Mesh
 from .paint import Paint

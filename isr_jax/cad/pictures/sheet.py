@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import UInt8
 from PIL import Image, ImageDraw, ImageFont
 
-from ...cad_types import CadModel
 from ...errors import OutputError, SettingError
+from ...library import CadModel
 from ..poses import opened
 from .picture import PAPER, picture
 

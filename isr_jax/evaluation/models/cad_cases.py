@@ -8,9 +8,9 @@ import functools
 import numpy as np
 from jaxtyping import Float
 
-from ...cad_types import CadLibrary, CadModel
 from ...errors import SceneError
 from ...geometry import CUBE_ROTATIONS
+from ...library import CadLibrary, CadModel
 from ...scene_file import CadRecord, EntityRecord
 from ..matches import Match
 from ..result_files import Result, Truth

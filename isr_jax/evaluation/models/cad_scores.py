@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from rich.table import Table
 
-from ...cad_types import CadLibrary
+from ...library import CadLibrary
 from ...scene_file import CadRecord, EntityRecord
 from ..figures import Headline, mean, median, percent
 from ..matches import Match

@@ -15,8 +15,8 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from ...cad_types import CadModel
 from ...geometry import points_to_triangles_distance_sq
+from ...library import CadModel
 from ..figures import mean, median
 
 _POINTS = 512

@@ -6,7 +6,7 @@ import dataclasses
 
 from rich.table import Table
 
-from ...cad_types import CadLibrary
+from ...library import CadLibrary
 from ..figures import Headline, millimetres, percent
 from ..matches import Match
 from ..result_files import Result, Truth

@@ -21,8 +21,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import KDTree
 
-from ...cad_types import CadLibrary, CadModel
 from ...geometry import CUBE_ROTATIONS
+from ...library import CadLibrary, CadModel
 from ...types import Candidate
 from ..figures import mean
 from .cad_cases import CadCase, PosedModel, model_named, same_model

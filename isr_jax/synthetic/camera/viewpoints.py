@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from ...borders.raycast import RayScene
 from ...config import NoiseModel
-from ...raycast import RayScene
 from ...types import Camera
 from .free_space import FreeSpace
 from .visibility import Samples, in_image, visible_from

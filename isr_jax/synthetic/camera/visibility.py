@@ -8,9 +8,9 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from ...borders.raycast import RayScene
 from ...config import NoiseModel
 from ...geometry.surface_samples import surface_samples
-from ...raycast import RayScene
 from ...types import Camera
 from ..surface import Surface
 

@@ -9,8 +9,8 @@ from jaxtyping import Float
 from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter1d
 
+from ...borders.raycast import RayScene
 from ...config import NoiseModel
-from ...raycast import RayScene
 from ...types import Camera
 from ..room import Room
 from ..surface import room_surfaces

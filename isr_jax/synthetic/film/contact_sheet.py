@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from jaxtyping import Int, UInt8
 
-from ...drawing import instance_colors
+from ...borders.drawing import instance_colors
 from ...errors import OutputError, SequenceError
 
 _WIDTH_PX = 240

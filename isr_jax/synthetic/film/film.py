@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
+from ...borders.raycast import RayHits, RayScene, camera_rays
 from ...classes import class_named
 from ...config import NoiseModel
-from ...raycast import RayHits, RayScene, camera_rays
 from ...types import Camera
 from ..image.noise import sensor_depth
 from ..image.shading import Developed, develop, studio

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from ...borders.raycast import RayScene
 from ...config import NoiseModel
-from ...raycast import RayScene
 from ...types import Camera
 from ..camera.free_space import FreeSpace
 from ..camera.visibility import Samples, in_image, room_samples, shares, visible_from

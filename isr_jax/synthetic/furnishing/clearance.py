@@ -7,7 +7,7 @@ import functools
 import numpy as np
 from scipy.spatial import KDTree
 
-from ...cad_types import CadModel
+from ...library import CadModel
 from .proposal import Proposal
 from .tops import SAMPLE_M, model_samples
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...cad_types import CadModel
+from ...library import CadModel
 from .placement import MARGIN_M, TRIES, Occupancy, extent
 from .proposal import ON_FLOOR, Proposal
 from .recipe import AtWall, OnFloor, Roles, Run

@@ -6,8 +6,8 @@ import dataclasses
 
 import numpy as np
 
-from ...cad_types import CadLibrary
 from ...errors import LibraryError, SceneError, SettingError
+from ...library import CadLibrary
 from ..room import LayoutPatch, PlacedModel, Room, upright_from_gravity
 from .floor_rules import place_at_walls, place_on_floor, place_run
 from .groups import place_lounge, place_seating, place_sleeping, place_workplaces

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...cad_types import CadModel
+from ...library import CadModel
 from .floor_rules import scaled_extent, stand_at_wall, stand_beside, standing, wall_of
 from .placement import MARGIN_M, TRIES, Occupancy
 from .proposal import Proposal, rotation_2d

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...cad_types import CadModel
+from ...library import CadModel
 from .floor_rules import WALL_YAWS, at_wall, scaled_extent, wall_of
 from .placement import MARGIN_M, TRIES, Occupancy
 from .proposal import ON_NOTHING, Proposal, rotation_2d

@@ -14,7 +14,7 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
-from ...cad_types import CadModel
+from ...library import CadModel
 from .floor_rules import WALL_YAWS
 from .placement import TRIES, Occupancy
 from .proposal import ON_FLOOR, Proposal, rotation_2d

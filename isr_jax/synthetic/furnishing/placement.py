@@ -9,8 +9,8 @@ import jax
 import numpy as np
 from jaxtyping import Float
 
-from ...cad_types import CadModel
 from ...geometry import box_overlap_depth
+from ...library import CadModel
 from ...types import Array, Box
 from .clearance import meshes_apart
 from .proposal import Proposal

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
-from ...cad_types import CadModel
+from ...library import CadModel
 
 ON_FLOOR, ON_NOTHING = -1, -2
 """Parents of proposals that no other thing carries."""

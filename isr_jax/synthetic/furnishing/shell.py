@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
-from ...cad_types import CadModel
+from ...library import CadModel
 from ...types import Box
 from ..openings import JOINT_M, patch_sides
 from ..room import LayoutPatch

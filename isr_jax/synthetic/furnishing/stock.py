@@ -9,9 +9,9 @@ from collections.abc import Callable, Collection
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from ...cad_types import CadLibrary, CadModel
 from ...classes import class_named
 from ...errors import LibraryError
+from ...library import CadLibrary, CadModel
 from ...robot_model import link_transforms
 from .roles import ROLES, Role
 from .tops import carrying_planes, top_of

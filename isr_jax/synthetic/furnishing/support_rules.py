@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...cad_types import CadModel
+from ...library import CadModel
 from .placement import MARGIN_M, TRIES, Occupancy, box_rows
 from .proposal import Proposal, rotation_2d
 from .recipe import OnTop, Roles, Stack

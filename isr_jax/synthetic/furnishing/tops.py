@@ -8,8 +8,8 @@ import functools
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ...cad_types import CadModel
-from ...raycast import RayScene
+from ...borders.raycast import RayScene
+from ...library import CadModel
 from ..cutting import cut_edges
 
 SAMPLE_M = 0.03

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Float
 
-from ...raycast import RayScene
+from ...borders.raycast import RayScene
 
 STRIDE = 2
 """Pixels between rays; what lies between is interpolated, which also softens the edges."""

@@ -6,9 +6,9 @@ import dataclasses
 
 import numpy as np
 
-from ....cad_types import CadModel, held
 from ....classes import class_named
 from ....errors import LibraryError
+from ....library import CadModel, held
 from ....robot_model import RobotModel
 from ....types import PlaneSet
 from ...kit.surfaces import Plane

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from ....cad_types import Handle
+from ....library import Handle
 from ....robot_model import Joint, Link, RobotModel, link_transforms
 from ..found import Vector
 

@@ -13,8 +13,8 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
+from ....borders.raycast import RayScene
 from ....classes import class_named
-from ....raycast import RayScene
 from ....robot_model import Link, RobotModel
 from ....types import Mesh
 from .skin import Skin

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool
 from scipy import ndimage
 
-from ....raycast import RayScene
+from ....borders.raycast import RayScene
 from ....types import Mesh
 from ...kit.solids import plane_axes
 from ...kit.surfaces import (

@@ -8,7 +8,7 @@ import functools
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ....raycast import RayScene
+from ....borders.raycast import RayScene
 from ....robot_model import RobotModel, link_transforms
 from ....types import Mesh
 

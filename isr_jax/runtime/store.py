@@ -21,7 +21,7 @@ from typing import IO, Any, TypeVar
 
 import numpy as np
 
-from .errors import OutputError
+from ..errors import OutputError
 from .store_tree import content_hash, decode, encode, is_record
 
 __all__ = ["StageKey", "StageStore", "content_hash"]

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 from rich.console import Console
 
-from .console import ConsoleReporter
-from .errors import OutputError
+from ..errors import OutputError
+from ..runtime.console import ConsoleReporter
 
 if TYPE_CHECKING:
-    from .cad_types import CadLibrary
+    from ..library import CadLibrary
 
 _Folder = Annotated[
     tyro.conf.Positional[Path | None], tyro.conf.arg(metavar="[LIBRARY]", help_behavior_hint="")
@@ -44,8 +44,8 @@ class CadBuild:
     """Folder for the models; in a checkout of the repository, cad_db is its own library."""
 
     def run(self, console: Console) -> None:
-        from .cad import build_library
-        from .cad.tables import class_table
+        from ..cad import build_library
+        from ..cad.tables import class_table
 
         with ConsoleReporter(console) as reporter:
             built = build_library(self.out, lambda d, t: reporter.progress("build", d, t))
@@ -86,8 +86,8 @@ class CadAdd:
     """Processes."""
 
     def run(self, console: Console) -> None:
-        from .cad.importing.add import AddOptions, add_models
-        from .cad.importing.add_report import report_tables
+        from ..cad.importing.add import AddOptions, add_models
+        from ..cad.importing.add_report import report_tables
 
         options = AddOptions(
             class_name=self.class_name,
@@ -141,7 +141,7 @@ class CadCheck:
     """Write the whole report to this file."""
 
     def run(self, console: Console) -> None:
-        from .cad.checking.check import check_library
+        from ..cad.checking.check import check_library
 
         source = self.library if self.library is not None else _library(None)
         if self.hulls != "stored":
@@ -176,8 +176,8 @@ class CadList:
     """Only how many models each class has."""
 
     def run(self, console: Console) -> None:
-        from .cad.selection import of_classes
-        from .cad.tables import class_table, library_table
+        from ..cad.selection import of_classes
+        from ..cad.tables import class_table, library_table
 
         library = _library(self.library)
         if self.count:
@@ -201,9 +201,9 @@ class CadShow:
     """Draw it to this PNG: closed and, where it has joints, with all of them open."""
 
     def run(self, console: Console) -> None:
-        from .cad.pictures.sheet import draw_model
-        from .cad.selection import model_named
-        from .cad.tables import model_tables
+        from ..cad.pictures.sheet import draw_model
+        from ..cad.selection import model_named
+        from ..cad.tables import model_tables
 
         model = model_named(_library(self.library), self.model)
         console.print(model_tables(model))
@@ -234,9 +234,9 @@ class CadSheet:
     shown open."""
 
     def run(self, console: Console) -> None:
-        from .cad.pictures.groups import grouped
-        from .cad.pictures.sheet import draw_models
-        from .cad.selection import of_classes
+        from ..cad.pictures.groups import grouped
+        from ..cad.pictures.sheet import draw_models
+        from ..cad.selection import of_classes
 
         library = _library(self.library)
         models = of_classes(library, self.class_name)
@@ -263,7 +263,7 @@ OPEN_SHARE = 0.6
 
 
 def _library(path: Path | None) -> CadLibrary:
-    from .cad import default_library, open_library
+    from ..cad import default_library, open_library
 
     return default_library() if path is None else open_library(path)
 

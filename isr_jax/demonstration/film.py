@@ -1,4 +1,4 @@
-"""The built-in demonstration: a furnished room, filmed, reconstructed and scored."""
+"""Films of furnished rooms: which room, which camera, and what lies there already."""
 
 from __future__ import annotations
 
@@ -9,64 +9,18 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from . import evaluation, pipeline, synthetic
-from .cad import default_library
-from .cad_types import CadLibrary
-from .config import NoiseModel, PoseNoise, Settings
-from .errors import OutputError, SettingError
-from .reporter import LogReporter, Reporter
+from .. import synthetic
+from ..cad import default_library
+from ..config import NoiseModel, PoseNoise
+from ..errors import OutputError, SettingError
+from ..library import CadLibrary
+from ..runtime.reporter import LogReporter, Reporter
+from ..synthetic.room import ROOM_KINDS, Room
 from .room_making import made_to_stand, standing_room
-from .synthetic.room import ROOM_KINDS, Room
 
-DEMO_SEGMENTER = "simulated:strong"
 _KINECT, _TRUE_POSES = NoiseModel(), PoseNoise()
 _STAMP = "film.json"
 """Says which film a folder holds."""
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class DemoResult:
-    """The run on the built-in room, and its scores against the truth."""
-
-    run: pipeline.RunResult
-    evaluation: evaluation.EvaluationReport
-
-
-def demo(
-    out_dir: str | Path,
-    *,
-    seed: int | None = None,
-    frames: int = 150,
-    segmenter: str = DEMO_SEGMENTER,
-    settings: Settings | None = None,
-    reporter: Reporter | None = None,
-) -> DemoResult:
-    """Film the built-in room with a simulated camera, reconstruct it, score it.
-
-    Args:
-        out_dir: Receives ``sequence/`` (frames and truth) and the results.
-        seed: Another room; None is the built-in one.
-        frames: Length of the walk.
-        segmenter: How wrong the masks are; see `segmentation.SimulatedSegmenter`.
-        settings: By default the preset ``default``.
-        reporter: Receives progress.
-    """
-    out_dir, reporter = Path(out_dir), reporter or LogReporter()
-    library = default_library()
-    sequence_dir = film_room(
-        out_dir / "sequence", seed=seed, frames=frames, library=library, reporter=reporter
-    )
-    result = pipeline.run(
-        sequence_dir, out_dir, segmenter=segmenter, settings=settings, reporter=reporter
-    )
-    report = evaluation.evaluate(
-        out_dir,
-        sequence_dir / "truth",
-        library=library,
-        unrefined={entity.name: entity.box for entity in result.scene.entities},
-    )
-    report.write(out_dir / "evaluation.json")
-    return DemoResult(result, report)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy.typing import DTypeLike
 
-from .types import PlaneSet
+from ..types import PlaneSet
 
 MAX_MODEL_PLANES = 16
 """Of a model with more planes these many count."""

@@ -27,17 +27,9 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
-from . import contact_graph, entities, mapping, segmentation
-from .config import Settings, preset
-from .types import (
-    Camera,
-    ContactGraph,
-    Entities,
-    Frame,
-    Mesh,
-    PanopticFrame,
-    PanopticSurface,
-)
+from .. import contact_graph, entities, mapping, segmentation
+from ..config import Settings, preset
+from ..types import Camera, ContactGraph, Entities, Frame, Mesh, PanopticFrame, PanopticSurface
 
 MaskSource = Callable[[Frame], PanopticFrame]
 """Anything that finds the masks of a frame; every `segmentation.Segmenter` is one."""

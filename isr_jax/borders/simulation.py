@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from .errors import SceneError
+from ..errors import SceneError
 
 WARNING_NAMES = tuple(
     mujoco.mjtWarning(i).name.removeprefix("mjWARN_").lower()

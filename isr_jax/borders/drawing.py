@@ -12,10 +12,10 @@ import mujoco
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from .errors import OutputError
+from ..errors import OutputError
+from ..types import Camera, Mesh
 from .raycast import RayScene, camera_rays
 from .simulation import load_model
-from .types import Camera, Mesh
 
 _SUPERSAMPLING = 2
 _SKY = np.array([236, 240, 244], np.float32)

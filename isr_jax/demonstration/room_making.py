@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from . import export, stability, synthetic
-from .cad_types import CadLibrary
-from .classes import class_named
-from .config import ExportSettings, StabilitySettings
-from .errors import SceneError
-from .pipeline import with_hulls_at
-from .reporter import LogReporter, Reporter
-from .stability import StabilityReport
-from .synthetic import PlacedModel, Room
+from .. import export, stability, synthetic
+from ..classes import class_named
+from ..config import ExportSettings, StabilitySettings
+from ..errors import SceneError
+from ..library import CadLibrary
+from ..pipeline import with_hulls_at
+from ..runtime.reporter import LogReporter, Reporter
+from ..stability import StabilityReport
+from ..synthetic import PlacedModel, Room
 
 MAX_DRIFT_M = 0.005
 """Of a body in the time of the simulation, from where the room has it."""

@@ -13,7 +13,7 @@ import jax
 import numpy as np
 
 _PACKAGE = "isr_jax."
-_MODULES = ("types", "cad_types", "robot_model.model")
+_MODULES = ("types", "library.cad_models", "robot_model.model")
 """Only classes of these modules are ever made from a stored file."""
 
 

@@ -7,8 +7,8 @@ import platform
 from importlib.metadata import version
 from pathlib import Path
 
-from .config import Settings, settings_to_toml
-from .errors import IsrError, OutputError
+from ..config import Settings, settings_to_toml
+from ..errors import IsrError, OutputError
 from .reporter import LOGGER
 
 _PACKAGES = ("jax", "jaxlib", "equinox", "optimistix", "numpy", "scipy", "trimesh", "mujoco")

@@ -11,15 +11,15 @@ import numpy as np
 from jaxtyping import Float
 from rich.table import Table
 
-from . import datasets, segmentation
-from .config import Settings, preset
-from .errors import MapError
-from .fusing import frame_indices, fuse_usable, segmented_frames, try_segmenter
+from .. import datasets, segmentation
+from ..config import Settings, preset
+from ..errors import MapError
+from ..runtime.reporter import Reporter, logged
+from ..runtime.run_folder import RunFolder
+from ..types import Frame, FrameSegments, Sequence
+from .frames import frame_indices, fuse_usable, segmented_frames, try_segmenter
 from .live import LiveMap
 from .map_files import MapInstance, write_map
-from .reporter import Reporter, logged
-from .run_folder import RunFolder
-from .types import Frame, FrameSegments, Sequence
 
 MAP_FILE = "map.npz"
 

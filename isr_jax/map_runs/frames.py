@@ -12,13 +12,13 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
 from typing import Any
 
-from . import datasets, mapping, segmentation
-from .config import Settings
-from .errors import FrameError, MapError, SegmenterError, SequenceError
-from .reporter import Reporter
-from .stage_runner import StageRunner
-from .types import Frame, FrameSegments, MappingResult, Sequence
-from .working_ahead import map_ahead
+from .. import datasets, mapping, segmentation
+from ..config import Settings
+from ..errors import FrameError, MapError, SegmenterError, SequenceError
+from ..runtime.prefetch import map_ahead
+from ..runtime.reporter import Reporter
+from ..runtime.stage_runner import StageRunner
+from ..types import Frame, FrameSegments, MappingResult, Sequence
 
 _TRIED_FRAMES = 5
 """Of the frames that must be good, about so many are tried; the first with masks is enough."""

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
-from .errors import SettingError
+from ..errors import SettingError
 from .reporter import LogReporter, Reporter
 from .store import StageKey, StageStore, content_hash
 

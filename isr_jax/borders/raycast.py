@@ -14,7 +14,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from jaxtyping import Bool, Float, Int
 
-from .types import Array, Camera, Mesh
+from ..types import Array, Camera, Mesh
 
 MISS = -1
 """Triangle of a ray that hits nothing."""

@@ -10,12 +10,12 @@ from typing import Annotated
 import tyro
 from rich.console import Console
 
-from .cli_cad import cad
-from .cli_classes import classes
-from .compile_cache import enable_compilation_cache
-from .config import Settings, preset, settings_from_toml, with_overrides
-from .console import ConsoleReporter
-from .errors import IsrError
+from ..config import Settings, preset, settings_from_toml, with_overrides
+from ..errors import IsrError
+from ..runtime.caches import enable_compilation_cache
+from ..runtime.console import ConsoleReporter
+from .cad import cad
+from .classes import classes
 
 app = tyro.extras.SubcommandApp()
 Positional = tyro.conf.Positional
@@ -61,7 +61,7 @@ def demo(
         segmenter: simulated:perfect, :strong, :medium or :weak.
         options: Settings.
     """
-    from .demonstration import demo as run_demo
+    from ..demonstration.demo import demo as run_demo
     from .summary import headline_table
 
     console = Console()
@@ -103,7 +103,7 @@ def run(
             matching, alignment or physical_check.
         options: Settings.
     """
-    from . import pipeline
+    from .. import pipeline
     from .summary import run_tables
 
     console = Console()
@@ -151,7 +151,7 @@ def map_(
             both must be in one frame, and its mapping settings hold.
         options: Settings.
     """
-    from .map_making import make_map
+    from ..map_runs.make_map import make_map
 
     console = Console()
     with ConsoleReporter(console) as reporter:
@@ -203,11 +203,11 @@ def synth(
         jitter: Poses jitter: metres and radians, each frame by itself.
         sheet: Picture of some frames (colour, depth, instances); OUT/sheet.png if left out.
     """
-    from .cad import open_library
-    from .config import NoiseModel, PoseNoise
-    from .demonstration import film_room, image_size
-    from .synthetic import NO_NOISE
-    from .synthetic.film.contact_sheet import contact_sheet
+    from ..cad import open_library
+    from ..config import NoiseModel, PoseNoise
+    from ..demonstration.film import film_room, image_size
+    from ..synthetic import NO_NOISE
+    from ..synthetic.film.contact_sheet import contact_sheet
 
     width, height = image_size(size)
     console, picture = Console(), sheet or out / "sheet.png"
@@ -237,7 +237,7 @@ def inspect(sequence: Positional[Path]) -> None:
     Args:
         sequence: Folder with the frames.
     """
-    from .datasets import inspect_sequence
+    from ..datasets import inspect_sequence
 
     Console().print(inspect_sequence(sequence).table())
 
@@ -252,8 +252,8 @@ def settle(scene: Positional[Path], duration: float = 5.0) -> None:
         scene: An MJCF file.
         duration: Simulated seconds.
     """
-    from .config import StabilitySettings
-    from .stability import settle as settle_scene
+    from ..config import StabilitySettings
+    from ..stability import settle as settle_scene
 
     Console().print(settle_scene(scene, StabilitySettings(duration_s=duration)).table())
 
@@ -278,8 +278,8 @@ def evaluate(
         truth_library: Folder of the models that truly stand there; the result's if left out.
         released_counting: Also count as the released code does, for comparison only.
     """
-    from .cad import default_library, open_library
-    from .evaluation import evaluate as score
+    from ..cad import default_library, open_library
+    from ..evaluation import evaluate as score
 
     report = score(
         result,
@@ -302,7 +302,7 @@ def view(result: Positional[Path], port: int = 8080) -> None:
         result: Folder that `isr run` wrote.
         port: Port on this machine; stop with Ctrl-C.
     """
-    from .viewer import view as show
+    from ..viewer import view as show
 
     show(result, port=port)
 

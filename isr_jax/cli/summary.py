@@ -7,9 +7,9 @@ from pathlib import Path
 from rich.console import RenderableType
 from rich.table import Table
 
-from .evaluation import EvaluationReport
-from .pipeline import RunResult
-from .scene_file import EntityRecord, SceneFile
+from ..evaluation import EvaluationReport
+from ..pipeline import RunResult
+from ..scene_file import EntityRecord, SceneFile
 
 
 def run_tables(result: RunResult) -> tuple[RenderableType, ...]:

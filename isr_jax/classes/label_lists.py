@@ -10,7 +10,7 @@ import dataclasses
 import functools
 from importlib import resources
 
-from .errors import ClassError
+from ..errors import ClassError
 
 LABEL_SETS = (
     "coco80",
@@ -41,7 +41,7 @@ def label_list(label_set: str) -> tuple[Label, ...]:
     """All labels of a set of `LABEL_SETS`, in official order."""
     if label_set not in LABEL_SETS:
         raise ClassError(f"unknown label set {label_set!r}", f"use one of: {', '.join(LABEL_SETS)}")
-    file = resources.files("isr_jax").joinpath(
+    file = resources.files("isr_jax.classes").joinpath(
         "label_sets", f"{_FILES.get(label_set, label_set)}.csv"
     )
     lines = file.read_text("utf-8").splitlines()

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .cad_arrays import LibraryArrays, library_arrays
-from .classes import class_named
-from .geometry.surface_samples import SurfaceSamples, surface_samples
-from .robot_model import RobotModel, merged_mesh
-from .types import Mesh, PlaneSet
+from ..classes import class_named
+from ..geometry.surface_samples import SurfaceSamples, surface_samples
+from ..robot_model import RobotModel, merged_mesh
+from ..types import Mesh, PlaneSet
+from .arrays import LibraryArrays, library_arrays
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

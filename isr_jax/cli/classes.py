@@ -8,9 +8,9 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from .classes import classes as all_classes
-from .classes import label_table
-from .label_lists import LABEL_SETS, label_list
+from ..classes import classes as all_classes
+from ..classes import label_table
+from ..classes.label_lists import LABEL_SETS, label_list
 
 _Set = Annotated[str | None, tyro.conf.arg(metavar="LABEL_SET", help_behavior_hint="")]
 

@@ -14,7 +14,7 @@ from importlib import resources
 
 import numpy as np
 
-from .errors import ClassError
+from ..errors import ClassError
 from .label_lists import LABEL_SETS, label_list
 
 
@@ -48,7 +48,7 @@ class ClassInfo:
 @functools.cache
 def classes() -> tuple[ClassInfo, ...]:
     """All rows, `classes()[i].id == i`."""
-    text = resources.files("isr_jax").joinpath("classes.csv").read_text("utf-8")
+    text = resources.files("isr_jax.classes").joinpath("classes.csv").read_text("utf-8")
     rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
     return tuple(_parse(i, row) for i, row in enumerate(rows))
 

@@ -1,0 +1,5 @@
+"""``python -m isr_jax`` is ``isr``."""
+
+from .cli import main
+
+main()

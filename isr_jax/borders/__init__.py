@@ -1,0 +1,1 @@
+"""Borders to libraries that touch neither arrays nor gradients: embree, MuJoCo, pictures."""

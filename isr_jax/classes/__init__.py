@@ -1,0 +1,14 @@
+"""The one table of classes (``classes.csv``), and the label lists of foreign data sets."""
+
+from .label_lists import LABEL_SETS, Label, label_list
+from .table import ClassInfo, class_named, classes, label_table
+
+__all__ = [
+    "LABEL_SETS",
+    "ClassInfo",
+    "Label",
+    "class_named",
+    "classes",
+    "label_list",
+    "label_table",
+]

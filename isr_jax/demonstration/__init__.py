@@ -1,0 +1,1 @@
+"""The built-in demonstration: a room that stands, filmed, reconstructed and scored."""

@@ -1,0 +1,14 @@
+"""What a library of CAD models is: the models, and their boxes and planes as padded arrays."""
+
+from .arrays import MAX_MODEL_PLANES, LibraryArrays, library_arrays
+from .cad_models import CadLibrary, CadModel, Handle, held
+
+__all__ = [
+    "MAX_MODEL_PLANES",
+    "CadLibrary",
+    "CadModel",
+    "Handle",
+    "LibraryArrays",
+    "held",
+    "library_arrays",
+]
