@@ -17,7 +17,7 @@ from isr_jax.mapping import PanopticMapper
 from isr_jax.mapping.pool import VoxelPool
 from isr_jax.segmentation import Segmenter, open_segmenter, segment_frame
 from isr_jax.synthetic import make_room, render_sequence
-from isr_jax.types import Frame, FrameSegments, Sequence
+from isr_jax.types import Frame, FrameSegments, RgbdSequence
 
 FusedFrames = list[tuple[Frame, FrameSegments]]
 """Frames with their segments: what a mapper takes."""
@@ -27,7 +27,7 @@ FusedFrames = list[tuple[Frame, FrameSegments]]
 class Filmed:
     """A film on disk and its frames in memory, with the segments that true masks give."""
 
-    sequence: Sequence
+    sequence: RgbdSequence
     segmenter: Segmenter
     frames: FusedFrames
 

@@ -23,7 +23,7 @@ from isr_jax.segmentation import (
     segment_depth,
     segment_frame,
 )
-from isr_jax.types import Frame, FrameSegments, Sequence
+from isr_jax.types import Frame, FrameSegments, RgbdSequence
 
 from .figures import Figure, Stopwatch
 from .filmed import integrated, without_segments
@@ -50,7 +50,7 @@ def kitchen_figures(count: int) -> list[Figure]:
 
 
 def live_figures(
-    sequence: Sequence,
+    sequence: RgbdSequence,
     segmenter: Segmenter,
     count: int,
     *,
@@ -93,7 +93,7 @@ def _part_figures(watch: Stopwatch, *, core: bool) -> list[Figure]:
 
 
 def _timed_parts(
-    sequence: Sequence, segmenter: Segmenter, count: int, settings: Settings
+    sequence: RgbdSequence, segmenter: Segmenter, count: int, settings: Settings
 ) -> Stopwatch:
     """Each frame through all parts, one after the other; outliers and labels with what is below."""
     watch, masks = Stopwatch(), settings.segmentation
@@ -114,7 +114,7 @@ def _timed_parts(
 
 
 def _one_by_one(
-    sequence: Sequence, segmenter: Segmenter, count: int, settings: Settings
+    sequence: RgbdSequence, segmenter: Segmenter, count: int, settings: Settings
 ) -> Iterator[tuple[Frame, FrameSegments]]:
     for index in range(count):
         frame = sequence[index]
@@ -123,7 +123,7 @@ def _one_by_one(
 
 def _rate(
     frames: Iterable[tuple[Frame, FrameSegments] | FrameError],
-    sequence: Sequence,
+    sequence: RgbdSequence,
     settings: Settings,
 ) -> float:
     """Frames a second from the first frame asked for to the last one fused."""

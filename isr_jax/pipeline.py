@@ -37,7 +37,7 @@ from .types import (
     Entities,
     MappingResult,
     Placement,
-    Sequence,
+    RgbdSequence,
     Shortlist,
 )
 
@@ -81,7 +81,7 @@ class Scene:
 
 
 def reconstruct(
-    sequence: Sequence,
+    sequence: RgbdSequence,
     *,
     library: CadLibrary | None = None,
     segmenter: segmentation.Segmenter | None = None,
@@ -116,7 +116,7 @@ def reconstruct(
 
 
 def map_sequence(
-    sequence: Sequence,
+    sequence: RgbdSequence,
     segmenter: segmentation.Segmenter,
     settings: Settings,
     runner: StageRunner,
@@ -154,7 +154,9 @@ def furnish(
         settings.contact_graph,
         {"entities": found},
         ContactGraph,
-        lambda: contact_graph.build_contact_graphs([found], settings.contact_graph)[0],
+        lambda: contact_graph.build_contact_graphs(
+            [found], settings.contact_graph, settings.support
+        )[0],
     )
     shortlist = runner.run(
         "matching",
@@ -167,7 +169,7 @@ def furnish(
             [graph],
             library,
             settings.matching,
-            up_cosine=settings.contact_graph.up_cosine,
+            settings.support,
         )[0],
     )
     aligned = runner.run(
@@ -196,7 +198,7 @@ def furnish(
         },
         tuple,
         lambda: physical_check.check(
-            found, graph, shortlist, aligned, tried, settings.physical_check
+            found, graph, shortlist, aligned, tried, settings.physical_check, settings.support
         ),
     )
     chosen = [tried.position(p.cad_id) for p in placements if p.cad_id is not None]

@@ -17,7 +17,7 @@ import jsonschema
 import numpy as np
 
 from .errors import SceneError
-from .geometry import box_at
+from .geometry import box_at, stack_boxes, support_heights
 from .library import CadLibrary
 from .types import ROOM, UNSUPPORTED, Box, Candidate, ContactGraph, Entities, Entity, Placement
 
@@ -172,6 +172,31 @@ def plane_records(entity: Entity) -> tuple[PlaneRecord, ...]:
             float(planes.area_m2[k]),
         )
         for k in np.flatnonzero(np.asarray(planes.valid))
+    )
+
+
+def graph_of_scene(scene: SceneFile, entities: Entities) -> ContactGraph:
+    """The contact graph that a scene file states, by position in its ``entities``.
+
+    The file keeps no scores: S is 1 where something carries an entity, else 0.
+    """
+    place = {record.name: i for i, record in enumerate(scene.entities)}
+    special = {ROOM_NAME: ROOM, None: UNSUPPORTED}
+    planes = [record.support_plane for record in scene.entities]
+    pairs = [(place[a], place[b]) for a, b, _ in scene.proximal]
+    parents = [special.get(r.parent, place.get(r.parent or "", ROOM)) for r in scene.entities]
+    parent = np.array(parents, np.int32)
+    plane = np.array([-1 if p is None else p for p in planes], np.int32)
+    box = stack_boxes([record.box for record in scene.entities])
+    return ContactGraph(
+        parent=parent,
+        support_plane=plane,
+        score=(parent >= 0).astype(np.float32),
+        attachment=tuple(record.attachment for record in scene.entities),
+        refined_box=box,
+        support_height_m=support_heights(entities.items, parent, plane, box),
+        proximal=np.array(pairs, np.int32).reshape(-1, 2),
+        proximal_depth_m=np.array([depth for _, _, depth in scene.proximal], np.float32),
     )
 
 

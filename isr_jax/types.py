@@ -8,6 +8,7 @@ and seconds; the world is z up with the floor at z = 0; transforms `T_a_b` map b
 from __future__ import annotations
 
 import dataclasses
+import enum
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Protocol, runtime_checkable
@@ -81,7 +82,7 @@ class Frame:
 
 
 @runtime_checkable
-class Sequence(Protocol):
+class RgbdSequence(Protocol):
     """A posed RGB-D sequence: a length, and a frame for an index."""
 
     @property
@@ -228,6 +229,8 @@ class ContactGraph:
     """``none``, ``wall``, ``hanging`` or ``leaning``."""
     refined_box: Box
     """[entities]: bottoms moved onto their supporting planes (the boxes of mAP_re)."""
+    support_height_m: Float[np.ndarray, " entities"]
+    """d^s: height of what carries the entity (`geometry.support_heights`)."""
     proximal: Int[np.ndarray, "pairs 2"]
     proximal_depth_m: Float[np.ndarray, " pairs"]
     """Depth to which the two boxes overlap."""
@@ -270,14 +273,18 @@ class Alignments:
     """RMS distance from the entity's vertices to the moved model's surface."""
 
 
-class AlignmentStatus:
+class AlignmentStatus(enum.IntEnum):
     """Outcome of one alignment."""
 
     CONVERGED = 0
     AT_BOUND = 1
     NOT_CONVERGED = 2
     SINGULAR = 3
-    NAMES = ("converged", "at bound", "not converged", "singular")
+
+    @property
+    def label(self) -> str:
+        """As it is written: ``not converged``."""
+        return self.name.lower().replace("_", " ")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -7,10 +7,11 @@ import dataclasses
 import numpy as np
 
 from isr_jax.classes import class_named
+from isr_jax.geometry import stack_boxes, support_heights
 from isr_jax.geometry.boxes import canonical_box
 from isr_jax.library import CadLibrary, CadModel, held
 from isr_jax.robot_model import Link, RobotModel, Visual
-from isr_jax.types import Entities, Entity, Mesh, PlaneSet
+from isr_jax.types import ContactGraph, Entities, Entity, Mesh, PlaneSet
 
 FACE_AXES = [(axis, sign) for axis in (2, 0, 1) for sign in (1.0, -1.0)]
 """Order of the planes of a box: top, bottom, +x, -x, +y, -y."""
@@ -157,3 +158,24 @@ def table_model(cad_id="table/test", size=(1.2, 0.8, 0.74)) -> CadModel:
 def library_of(*models: CadModel) -> CadLibrary:
     models = tuple(sorted(models, key=lambda m: m.id))
     return CadLibrary(models, "test library", "+".join(m.content_hash for m in models))
+
+
+def support_graph(
+    entities: Entities, parents, planes=None, *, attachment=None, score=None, proximal=None
+) -> ContactGraph:
+    """A graph given by positions, boxes as they are; a parent carries with its first plane (the
+    top) unless ``planes`` says otherwise. ``proximal``: pairs and depths."""
+    parent = np.array(parents, np.int32)
+    plane = np.where(parent >= 0, 0, -1) if planes is None else np.array(planes)
+    box = stack_boxes([entity.box for entity in entities])
+    pairs, depth = proximal or (np.zeros((0, 2), np.int32), np.zeros(0, np.float32))
+    return ContactGraph(
+        parent=parent,
+        support_plane=plane.astype(np.int32),
+        score=np.float32(score if score is not None else np.ones(len(parent))),
+        attachment=tuple(attachment or ["none"] * len(parent)),
+        refined_box=box,
+        support_height_m=support_heights(entities.items, parent, plane, box),
+        proximal=pairs,
+        proximal_depth_m=depth,
+    )

@@ -11,7 +11,6 @@ from isr_jax.robot_model import Joint, Link, RobotModel, Visual, box_between
 from isr_jax.types import (
     ROOM,
     UNSUPPORTED,
-    Box,
     ContactGraph,
     Entities,
     Entity,
@@ -26,6 +25,7 @@ from .builders import (
     parts_model,
     rotation_z,
     scene_of,
+    support_graph,
     table_model,
     with_robot,
 )
@@ -43,26 +43,6 @@ class PlacedScene:
     @property
     def arguments(self):
         return self.entities, self.graph, self.placements, self.library
-
-
-def graph_of(entities: Entities, parents: list[int], attachment=None) -> ContactGraph:
-    """A support tree given by positions; every parent carries with its first plane (the top)."""
-    n = len(entities)
-    boxes = [e.box for e in entities]
-    box = Box(*(np.stack([np.asarray(b) for b in part]) for part in zip(*map(_leaves, boxes))))
-    return ContactGraph(
-        parent=np.array(parents, np.int32),
-        support_plane=np.array([0 if p >= 0 else -1 for p in parents], np.int32),
-        score=np.ones(n, np.float32),
-        attachment=tuple(attachment or ["none"] * n),
-        refined_box=box,
-        proximal=np.zeros((0, 2), np.int32),
-        proximal_depth_m=np.zeros(0, np.float32),
-    )
-
-
-def _leaves(box: Box):
-    return box.center, box.yaw, box.size
 
 
 def kept(entity: Entity, reason: str = "layout") -> Placement:
@@ -160,7 +140,7 @@ def furnished_scene() -> PlacedScene:
     )
     entities = scene_of(*items)
     parents = [ROOM, ROOM, 0, 2, 0, 0, UNSUPPORTED]
-    graph = graph_of(entities, parents, [*["none"] * 6, "wall"])
+    graph = support_graph(entities, parents, attachment=[*["none"] * 6, "wall"])
     placements = (
         kept(items[0]),
         kept(items[1]),
@@ -178,7 +158,7 @@ def cubes_scene(*centers, parents=None, side: float = 0.2) -> PlacedScene:
     """Free cubes above a floor."""
     cubes = [box_entity(i + 2, "cup", c, (side, side, side)) for i, c in enumerate(centers)]
     entities = scene_of(floor_entity(1), *cubes)
-    graph = graph_of(entities, [ROOM, *(parents or [0] * len(cubes))])
+    graph = support_graph(entities, [ROOM, *(parents or [0] * len(cubes))])
     library = library_of(cube_model("cup/cube", side))
     placements = (kept(entities[0]), *(placed(c, "cup/cube") for c in cubes))
     return PlacedScene(entities, graph, placements, library)

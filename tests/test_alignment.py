@@ -23,7 +23,7 @@ from isr_jax.alignment import (
 )
 from isr_jax.config import AlignmentSettings
 from isr_jax.geometry import CUBE_ROTATIONS, canonical_box, make_T, rot_z
-from isr_jax.types import ROOM, AlignmentStatus, Box, ContactGraph, Shortlist
+from isr_jax.types import ROOM, AlignmentStatus, Box, Shortlist
 
 from .builders import (
     box_entity,
@@ -34,6 +34,7 @@ from .builders import (
     parts_model,
     rotation_z,
     scene_of,
+    support_graph,
     table_model,
 )
 from .reference import alignment_reference as reference
@@ -366,17 +367,7 @@ def _scene(yaw=0.3, scale=1.1):
     table = box_entity(2, "table", (1.0, -0.5, size[2] / 2), size, yaw)
     cup = box_entity(3, "cup", (1.0, -0.5, size[2] + 0.05), (0.1, 0.1, 0.1))
     entities = scene_of(floor_entity(), table, cup)
-    boxes = [e.box for e in entities]
-    graph = ContactGraph(
-        parent=np.array([ROOM, 0, 1]),
-        support_plane=np.array([-1, 0, 0]),
-        score=np.ones(3),
-        attachment=("none",) * 3,
-        refined_box=jax.tree.map(lambda *leaves: np.stack(leaves), *boxes),
-        proximal=np.zeros((0, 2), int),
-        proximal_depth_m=np.zeros(0),
-    )
-    return entities, graph, library_of(model, table_model())
+    return entities, support_graph(entities, [ROOM, 0, 1]), library_of(model, table_model())
 
 
 def _shortlist(rows, planes=5):
@@ -439,12 +430,7 @@ def _back_of_a_chair():
         back.box, center=np.float32([0, 0.18, 0.4]), size=np.float32([0.4, 0.04, 0.8])
     )
     entities = scene_of(floor_entity(1), dataclasses.replace(back, box=box))
-    boxes = jax.tree.map(lambda *leaves: np.stack(leaves), *[e.box for e in entities])
-    graph = ContactGraph(
-        np.int32([ROOM, 0]), np.int32([-1, 0]), np.float32([0, 1]), ("none",) * 2, boxes,
-        np.zeros((0, 2), np.int32), np.zeros(0, np.float32),
-    )  # fmt: skip
-    return entities, graph, library_of(model)
+    return entities, support_graph(entities, [ROOM, 0]), library_of(model)
 
 
 def test_a_model_whose_front_was_hidden_is_put_flush_with_what_was_seen():

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from isr_jax.classes import class_named
-from isr_jax.config import ContactGraphSettings, preset
+from isr_jax.config import DEFAULT_SUPPORT, ContactGraphSettings, preset
 from isr_jax.contact_graph import build_contact_graphs, to_networkx
 from isr_jax.contact_graph.proximal import _depths
 from isr_jax.contact_graph.triples import _polygons, _scores, _vertices
@@ -135,9 +135,9 @@ def test_support_tree_has_no_cycle_and_every_edge_meets_the_paper(seed):
         if k < 0:  # in furniture, on a board that was not seen
             assert not class_named(scene[parent].class_name).movable
             continue
-        assert scene[parent].planes.normal[k, 2] >= DEFAULT.up_cosine
+        assert scene[parent].planes.normal[k, 2] >= DEFAULT_SUPPORT.up_cosine
         _, contact, _ = slow.terms(scene, scene[child], scene[parent], k, DEFAULT)
-        assert contact >= DEFAULT.min_contact - SCORE
+        assert contact >= DEFAULT_SUPPORT.min_contact - SCORE
 
 
 def test_equal_boxes_in_one_place_make_no_cycle():

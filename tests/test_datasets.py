@@ -12,7 +12,7 @@ from isr_jax.config import InputSettings
 from isr_jax.datasets import CONVENTIONS, detect_format, open_sequence, prefetch
 from isr_jax.datasets.images import ColorCamera, register_color
 from isr_jax.errors import FrameError, SequenceError
-from isr_jax.types import Camera, Frame, Sequence
+from isr_jax.types import Camera, Frame, RgbdSequence
 
 from . import datasets_room as room
 
@@ -57,7 +57,7 @@ def heights_match(frame: Frame, T_true: np.ndarray) -> None:
 def test_layouts_give_the_same_frames_in_the_world(folders, shots, layout):
     assert detect_format(folders[layout]) == layout
     sequence = open_sequence(folders[layout], InputSettings(depth_max_m=20.0))
-    assert isinstance(sequence, Sequence)
+    assert isinstance(sequence, RgbdSequence)
     assert (len(sequence), sequence.name) == (len(shots), layout)
     for i in (0, 5, -1):
         frame, shot = sequence[i], shots[i]

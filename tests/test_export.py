@@ -33,9 +33,9 @@ from .physics_scenes import (
     cube_model,
     cubes_scene,
     furnished_scene,
-    graph_of,
     kept,
     placed,
+    support_graph,
     table_model,
 )
 from .test_robot_model_urdf import png
@@ -191,7 +191,9 @@ def test_a_textured_model_keeps_its_image_in_every_format(tmp_path):
     library = library_of(with_robot(model, RobotModel("cup", (link,), ())))
     placements = (kept(items[0]), placed(items[1], "cup/cube"))
     settings = ExportSettings(friction=0.6)
-    export_scene(entities, graph_of(entities, [-1, 0]), placements, library, tmp_path, settings)
+    export_scene(
+        entities, support_graph(entities, [-1, 0]), placements, library, tmp_path, settings
+    )
     assert image.content in (tmp_path / "scene.glb").read_bytes()
     compiled = simulation.load_model(tmp_path / "scene.xml")
     assert compiled.ntex == 2  # and the sky
@@ -244,7 +246,7 @@ def test_free_body_sinks_to_a_lower_model_and_carries_its_children(tmp_path):
     cups = [placed(e, "cup/cube") for e in items[2:]]
     table = placed(items[1], "table/low", lift_m=-0.01)
     library = library_of(low, cube_model())
-    graph = graph_of(entities, [-1, 0, 1, 2])
+    graph = support_graph(entities, [-1, 0, 1, 2])
     scene = export_scene(entities, graph, (kept(items[0]), table, *cups), library, tmp_path)
     shifts = scene.metrics["export"]["shift_m"]
     assert np.allclose([shifts["cup_3"], shifts["cup_4"]], [[0, 0, -0.02]] * 2, atol=POSE)
@@ -277,7 +279,7 @@ def test_scan_hull_is_cut_where_it_reaches_into_a_model(tmp_path):
     entities = scene_of(*items)
     library = library_of(table_model())
     placements = (kept(items[0]), placed(items[1], "table/test"), kept(items[2], "no model"))
-    graph = graph_of(entities, [-1, 0, 0])
+    graph = support_graph(entities, [-1, 0, 0])
     scene = export_scene(entities, graph, placements, library, tmp_path)
     assert np.isclose(scene.metrics["export"]["cut_share"]["chair_3"], 0.8, atol=1e-3)
     model = simulation.load_model(tmp_path / "scene.xml")
@@ -309,7 +311,7 @@ def test_unequal_scales_of_an_articulated_model_are_refused():
     with pytest.raises(SceneError, match="cabinet_2"):
         scene_bodies(
             entities,
-            graph_of(entities, [-1, 0]),
+            support_graph(entities, [-1, 0]),
             placements,
             library_of(cabinet_model()),
             ExportSettings(),

@@ -11,20 +11,28 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from isr_jax.config import ContactGraphSettings, MatchingSettings, preset
+from isr_jax.config import MatchingSettings, SupportSettings, preset
 from isr_jax.geometry import CUBE_ROTATIONS, canonical_box, transform_planes
 from isr_jax.library import CadModel
 from isr_jax.matching import assignment_cost, match, matching_errors
 from isr_jax.matching.features import carrying_planes, entity_rows, model_columns
 from isr_jax.types import ROOM, UNSUPPORTED, Box, ContactGraph, Entities, Entity, Mesh, PlaneSet
 
-from .builders import box_entity, floor_entity, library_of, parts_model, scene_of, table_model
+from .builders import (
+    box_entity,
+    floor_entity,
+    library_of,
+    parts_model,
+    scene_of,
+    support_graph,
+    table_model,
+)
 from .furniture import block_model, bookshelf_model, chair_model
 from .reference import matching_reference as slow
 from .reference.geometry_reference import rotation_z
 
 DEFAULT = MatchingSettings()
-UP = ContactGraphSettings.up_cosine
+UP = SupportSettings.up_cosine
 ERROR = 2e-5
 """Eight summands of order 1 in float32, each from products of coordinates of metres."""
 
@@ -37,10 +45,7 @@ def graph_of(scene: Entities, parent: dict[int, tuple[int, int]] | None = None) 
     planes = np.full(len(parents), -1, np.int32)
     for child, (position, plane) in (parent or {}).items():
         parents[child], planes[child] = position, plane
-    box = Box(*(np.stack([getattr(e.box, f) for e in scene]) for f in ("center", "yaw", "size")))
-    none = np.zeros((0, 2), np.int32), np.zeros(0, np.float32)
-    score = (parents >= 0).astype(np.float32)
-    return ContactGraph(parents, planes, score, ("none",) * len(parents), box, *none)
+    return support_graph(scene, parents, planes, score=parents >= 0)
 
 
 def copy_of(

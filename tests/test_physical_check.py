@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ from isr_jax.geometry import (
 )
 from isr_jax.physical_check import check, contact_ratio, min_conflicts
 from isr_jax.physical_check.solids import depth_between, scan_points, solid_of
-from isr_jax.types import ROOM, UNSUPPORTED, Alignments, AlignmentStatus, ContactGraph, Shortlist
+from isr_jax.types import ROOM, UNSUPPORTED, Alignments, AlignmentStatus, Shortlist
 
 from .builders import (
     box_entity,
@@ -31,6 +30,7 @@ from .builders import (
     parts_model,
     rotation_z,
     scene_of,
+    support_graph,
 )
 from .reference import physical_check_reference as reference
 
@@ -58,13 +58,6 @@ class Try:
     matching_error: float = 0.0
 
 
-def graph_of(entities, parents) -> ContactGraph:
-    boxes = jax.tree.map(lambda *leaves: np.stack(leaves), *[e.box for e in entities])
-    planes = np.array([0 if p >= 0 else -1 for p in parents])
-    return ContactGraph(np.array(parents), planes, np.ones(len(parents)), ("none",) * len(parents),
-                        boxes, np.zeros((0, 2), int), np.zeros(0))  # fmt: skip
-
-
 def run(entities, parents, tries, settings=SETTINGS):
     rows = [list(LIBRARY.models).index(t.model) for t in tries]
     count = len(tries)
@@ -88,7 +81,9 @@ def run(entities, parents, tries, settings=SETTINGS):
         np.array([t.error_m for t in tries], np.float32),
     )
     entities = scene_of(*entities)
-    return check(entities, graph_of(entities, parents), shortlist, alignments, LIBRARY, settings)
+    return check(
+        entities, support_graph(entities, parents), shortlist, alignments, LIBRARY, settings
+    )
 
 
 def table_at(id, x, y=0.0):
@@ -375,7 +370,7 @@ def test_contact_ratio_parity_with_counting(yaw):
         box_entity(1, "table", (0.1, 0.2, 0), (1, 0.6, 1), 0.2),
         box_entity(2, "cup", (0.5, 0.3, 0), (0.4, 0.3, 1), yaw),
     )
-    boxes = graph_of(entities, [ROOM, ROOM]).refined_box
+    boxes = support_graph(entities, [ROOM, ROOM]).refined_box
     plane, footprint = (np.asarray(footprint_corners(box_at(boxes, i))) for i in (0, 1))
     got = contact_ratio(plane, footprint, jnp.asarray(0.12))
     # A grid of 400 x 400 counts to about its own spacing.

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 
 from isr_jax.errors import SceneError
-from isr_jax.geometry import stack_boxes
 from isr_jax.scene_file import read_scene, scene_from_stages, write_scene
-from isr_jax.types import ROOM, Candidate, ContactGraph, Placement
+from isr_jax.types import ROOM, Candidate, Placement
 
-from .builders import box_entity, floor_entity, library_of, scene_of, table_model
+from .builders import box_entity, floor_entity, library_of, scene_of, support_graph, table_model
 
 FLOAT32_RESOLUTION = 1e-6
 """Files keep the shortest decimal that reads back as the same float32."""
@@ -21,15 +20,8 @@ FLOAT32_RESOLUTION = 1e-6
 @pytest.fixture
 def scene():
     entities = scene_of(floor_entity(1), box_entity(2, "table", (1, 0.5, 0.37), (1.2, 0.8, 0.74)))
-    graph = ContactGraph(
-        parent=np.array([ROOM, 0], np.int32),
-        support_plane=np.array([-1, 0], np.int32),
-        score=np.array([0, 0.9], np.float32),
-        attachment=("none", "none"),
-        refined_box=stack_boxes([e.box for e in entities]),
-        proximal=np.array([[0, 1]], np.int32),
-        proximal_depth_m=np.array([0.01], np.float32),
-    )
+    proximal = np.array([[0, 1]], np.int32), np.array([0.01], np.float32)
+    graph = support_graph(entities, [ROOM, 0], score=[0, 0.9], proximal=proximal)
     T = np.eye(4, dtype=np.float32)
     T[:3, 3] = (1, 0.5, 0.37)
     lost = Candidate("table/other", 3, 0.4, 0.05, "converged", "collides with chair_1 by 0.02 m")

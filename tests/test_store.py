@@ -57,6 +57,7 @@ def graph() -> ContactGraph:
         score=np.array([0, 0.75], np.float32),
         attachment=("none", "none"),
         refined_box=Box(jnp.zeros((2, 3)), jnp.zeros(2), jnp.ones((2, 3))),
+        support_height_m=np.array([-0.5, 0.25], np.float32),
         proximal=np.zeros((0, 2), np.int32),
         proximal_depth_m=np.zeros(0, np.float32),
     )

@@ -13,7 +13,7 @@ from typing import Any
 from isr_jax import contact_graph, datasets, entities, mapping, segmentation
 from isr_jax.config import Settings
 from isr_jax.errors import FrameError, SequenceError
-from isr_jax.types import ContactGraph, Entities, FrameSegments, PanopticSurface, Sequence
+from isr_jax.types import ContactGraph, Entities, FrameSegments, PanopticSurface, RgbdSequence
 
 from .code_digest import SEGMENTATION, code_digest
 from .kept_segments import KeptSegments, kept_segments
@@ -108,7 +108,7 @@ class _Clock:
 
 
 def _segments(
-    film: MaskedFilm, sequence: Sequence, indices: list[int], settings: Settings
+    film: MaskedFilm, sequence: RgbdSequence, indices: list[int], settings: Settings
 ) -> KeptSegments:
     def make() -> Iterator[FrameSegments]:
         masks = segmentation.open_segmenter(

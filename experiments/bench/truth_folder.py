@@ -15,11 +15,8 @@ from isr_jax.entities.submesh import submesh
 from isr_jax.errors import SceneError
 from isr_jax.evaluation.maps.segments import observed_ids
 from isr_jax.evaluation.result_files import Truth, read_truth
-from isr_jax.geometry import stack_boxes
-from isr_jax.scene_file import ROOM_NAME, EntityRecord, PlaneRecord, SceneFile
+from isr_jax.scene_file import EntityRecord, PlaneRecord, SceneFile
 from isr_jax.types import (
-    ROOM,
-    UNSUPPORTED,
     ContactGraph,
     Entities,
     Entity,
@@ -66,7 +63,9 @@ def read_true_scene(truth_dir: Path, voxel_size_m: float) -> TrueScene:
         scene.T_world_dataset,
         voxel_size_m,
     )
-    return TrueScene(scene, entities, _graph(scene), _seen_surface(entities, truth_dir))
+    return TrueScene(
+        scene, entities, graph_of_scene(scene, entities), _seen_surface(entities, truth_dir)
+    )
 
 
 def _seen_scene(truth: Truth) -> SceneFile:
@@ -120,23 +119,6 @@ def _mesh(path: Path) -> Mesh:
         np.asarray(found.faces, np.int32),
         np.asarray(visual.vertex_colors, np.uint8)[:, :3].copy(),
         np.asarray(found.vertex_normals, np.float32),
-    )
-
-
-def _graph(scene: SceneFile) -> ContactGraph:
-    place = {record.name: i for i, record in enumerate(scene.entities)}
-    special = {ROOM_NAME: ROOM, None: UNSUPPORTED}
-    planes = [record.support_plane for record in scene.entities]
-    pairs = [(place[a], place[b]) for a, b, _ in scene.proximal]
-    parents = [special.get(r.parent, place.get(r.parent or "", ROOM)) for r in scene.entities]
-    return ContactGraph(
-        parent=np.array(parents, np.int32),
-        support_plane=np.array([-1 if p is None else p for p in planes], np.int32),
-        score=np.array([float(p >= 0) for p in parents], np.float32),
-        attachment=tuple(record.attachment for record in scene.entities),
-        refined_box=stack_boxes([record.box for record in scene.entities]),
-        proximal=np.array(pairs, np.int32).reshape(-1, 2),
-        proximal_depth_m=np.array([depth for _, _, depth in scene.proximal], np.float32),
     )
 
 

@@ -63,17 +63,6 @@ def bucket(count: int, least: int) -> int:
     return max(least, 1 << (max(count, 1) - 1).bit_length())
 
 
-def support_height(entities: Entities, graph: ContactGraph, position: int) -> float:
-    """Height of the plane that carries an entity, where the entity stands; else of its bottom."""
-    center = np.asarray(graph.refined_box.center)[position]
-    parent, plane = int(graph.parent[position]), int(graph.support_plane[position])
-    if parent < 0 or plane < 0:
-        return float(center[2] - np.asarray(graph.refined_box.size)[position, 2] / 2)
-    normal = np.asarray(entities[parent].planes.normal[plane], np.float64)
-    offset = float(entities[parent].planes.offset[plane])
-    return float(-(offset + normal[:2] @ center[:2]) / normal[2])
-
-
 def _problem_of(scenes, graphs, shortlists, library) -> AlignmentProblem:
     width = bucket(max(s.plane_match.shape[1] for s in shortlists), _MIN_PLANES)
     parts = [
@@ -89,7 +78,6 @@ def _scene_problem(entities, graph, shortlist, library, width) -> AlignmentProbl
     box = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32)[rows], graph.refined_box)
     size = np.stack([library[int(m)].size for m in shortlist.model]).astype(np.float32)
     rotation = CUBE_ROTATIONS[shortlist.rotation]
-    heights = np.array([support_height(entities, graph, i) for i in range(len(entities))])
     planes = [
         _matched_planes(entities[e], library[m], match, width)
         for e, m, match in zip(
@@ -98,7 +86,7 @@ def _scene_problem(entities, graph, shortlist, library, width) -> AlignmentProbl
     ]
     return AlignmentProblem(
         box=box,
-        support_height_m=heights[rows].astype(np.float32),
+        support_height_m=np.asarray(graph.support_height_m, np.float32)[rows],
         **{name: np.stack([p[name] for p in planes]) for name in planes[0]},
         model_size=size,
         rotation=rotation,

@@ -7,6 +7,7 @@ from .fields import setting
 from .map_stages import EntitySettings, InputSettings, MappingSettings, SegmentationSettings
 from .presets import PRESETS, preset
 from .scene_stages import (
+    DEFAULT_SUPPORT,
     AlignmentSettings,
     CadSettings,
     ContactGraphSettings,
@@ -14,12 +15,14 @@ from .scene_stages import (
     MatchingSettings,
     PhysicalCheckSettings,
     StabilitySettings,
+    SupportSettings,
 )
 from .sensor import NoiseModel, PoseNoise
 from .settings import Settings
 from .text import settings_from_toml, settings_to_dict, settings_to_toml, with_overrides
 
 __all__ = [
+    "DEFAULT_SUPPORT",
     "PRESETS",
     "AlignmentSettings",
     "CadSettings",
@@ -35,6 +38,7 @@ __all__ = [
     "SegmentationSettings",
     "Settings",
     "StabilitySettings",
+    "SupportSettings",
     "preset",
     "setting",
     "settings_from_toml",

@@ -12,13 +12,24 @@ from .fields import Checked, setting
 
 
 @dataclasses.dataclass(frozen=True)
+class SupportSettings(Checked):
+    """What counts as a support, from the contact graph to the evaluation."""
+
+    up_cosine: float = setting(
+        0.9, "a_th: a supporting plane has n . g of at most minus this", low=0.0, high=1.0
+    )
+    min_contact: float = setting(
+        0.5, "b_th: least contact ratio A of a stable support", low=0.0, high=1.0
+    )
+
+
+DEFAULT_SUPPORT = SupportSettings()
+
+
+@dataclasses.dataclass(frozen=True)
 class ContactGraphSettings(Checked):
     """Supports and proximal pairs."""
 
-    up_cosine: float = setting(0.9, "a supporting plane has n . g <= -this", low=0.0, high=1.0)
-    min_contact: float = setting(
-        0.5, "contact area ratio A of a stable support (b_th)", low=0.0, high=1.0
-    )
     near_voxels: float = setting(
         2.0, "vertices so near a plane count as on it", unit="voxels", low=0.0
     )
@@ -145,9 +156,6 @@ class AlignmentSettings(Checked):
 class PhysicalCheckSettings(Checked):
     """Which candidates stand together."""
 
-    min_contact: float = setting(
-        0.5, "a candidate's plane must carry each child with this A", low=0.0, high=1.0
-    )
     penetration_tolerance_m: float = setting(0.005, "deeper overlaps conflict", unit="m", low=0.0)
     scan_tolerance_m: float = setting(
         0.03, "a kept scan, noisy as it is, may reach so far into a model", unit="m", low=0.0

@@ -13,6 +13,7 @@ from .scene_stages import (
     MatchingSettings,
     PhysicalCheckSettings,
     StabilitySettings,
+    SupportSettings,
 )
 
 
@@ -25,6 +26,7 @@ class Settings:
     segmentation: SegmentationSettings = dataclasses.field(default_factory=SegmentationSettings)
     mapping: MappingSettings = dataclasses.field(default_factory=MappingSettings)
     entities: EntitySettings = dataclasses.field(default_factory=EntitySettings)
+    support: SupportSettings = dataclasses.field(default_factory=SupportSettings)
     contact_graph: ContactGraphSettings = dataclasses.field(default_factory=ContactGraphSettings)
     cad: CadSettings = dataclasses.field(default_factory=CadSettings)
     matching: MatchingSettings = dataclasses.field(default_factory=MatchingSettings)

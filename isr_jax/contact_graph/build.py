@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..config import ContactGraphSettings
+from ..config import DEFAULT_SUPPORT, ContactGraphSettings, SupportSettings
+from ..geometry import support_heights
 from ..types import ROOM, UNSUPPORTED, Box, ContactGraph, Entities
 from .attachment import attachments
 from .flat import FlatEntities, flatten, take
@@ -18,7 +19,9 @@ from .triples import Triples, candidate_triples, pick, polygon_contacts, score_t
 
 
 def build_contact_graphs(
-    scenes: Sequence[Entities], settings: ContactGraphSettings
+    scenes: Sequence[Entities],
+    settings: ContactGraphSettings,
+    support: SupportSettings = DEFAULT_SUPPORT,
 ) -> list[ContactGraph]:
     """Support tree, refined boxes and proximal pairs of every scene.
 
@@ -26,14 +29,15 @@ def build_contact_graphs(
     down, a child's bottom then moves onto its supporting plane, its top stays.
     """
     flat = flatten(scenes)
-    triples = candidate_triples(flat, settings)
-    support = score_triples(flat, triples, settings)
-    parent, plane, score = _choose_parents(flat, triples, support, settings)
+    triples = candidate_triples(flat, settings, support.up_cosine)
+    scored = score_triples(flat, triples, settings)
+    admissible = _admissible(flat, triples, scored, settings, support.min_contact)
+    parent, plane, score = _choose_parents(flat, triples, scored, admissible)
     if settings.inside_furniture:
         parent = put_inside(flat, parent)
     refined = refine_boxes(flat, parent, plane)
     pairs, depth = close_pairs(flat, refined, settings.attach_distance_m)
-    attached = attachments(flat, triples, support, parent, (pairs, depth), settings)
+    attached = attachments(flat, triples, scored, parent, (pairs, depth), settings)
     return [
         _graph_of(flat, scene, (parent, plane, score), refined, attached, (pairs, depth))
         for scene in range(len(scenes))
@@ -41,14 +45,14 @@ def build_contact_graphs(
 
 
 def _choose_parents(
-    flat: FlatEntities, triples: Triples, support: Support, settings: ContactGraphSettings
+    flat: FlatEntities, triples: Triples, support: Support, admissible: Bool[np.ndarray, " triples"]
 ) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"], Float[np.ndarray, " n"]]:
     """The parent of largest S for each child (ties by position), and the plane that carries it."""
     parent = np.where(flat.is_layout, ROOM, UNSUPPORTED).astype(np.int32)
     plane = np.full(len(parent), -1, np.int32)
     score = np.zeros(len(parent), np.float32)
     s = np.asarray(support.score)
-    rows = np.flatnonzero(_admissible(flat, triples, support, settings))
+    rows = np.flatnonzero(admissible)
     best = _first_of_each_child(triples, rows, (triples.parent[rows], -s[rows]))
     child = triples.child[best]
     parent[child], score[child] = triples.parent[best], s[best]
@@ -77,7 +81,11 @@ def _first_of_each_child(
 
 
 def _admissible(
-    flat: FlatEntities, triples: Triples, support: Support, settings: ContactGraphSettings
+    flat: FlatEntities,
+    triples: Triples,
+    support: Support,
+    settings: ContactGraphSettings,
+    min_contact: float,
 ) -> Bool[np.ndarray, " triples"]:
     """Which triples are supports: enough contact, and a gap that occlusion can explain.
 
@@ -95,7 +103,7 @@ def _admissible(
     limit = np.where(stands & over_layout, 1.0, settings.max_gap_m)
     limit = np.where(mounted, settings.max_gap_mounted_m, limit)
     sinks = (gap < -settings.max_sink_m) & ~over_layout
-    enough = np.asarray(support.contact) >= settings.min_contact
+    enough = np.asarray(support.contact) >= min_contact
     enough &= np.asarray(support.score) >= settings.min_score
     return enough & (gap <= limit) & ~sinks
 
@@ -135,12 +143,14 @@ def _graph_of(
     pairs, depth = close
     direct = (chosen[0][pairs[:, 0]] == pairs[:, 1]) | (chosen[0][pairs[:, 1]] == pairs[:, 0])
     ours = (flat.scene[pairs[:, 0]] == scene) & (depth > 0) & ~direct
+    own, box = np.where(parent >= 0, parent - first, parent).astype(np.int32), take(refined, span)
     return ContactGraph(
-        parent=np.where(parent >= 0, parent - first, parent).astype(np.int32),
+        parent=own,
         support_plane=plane,
         score=score,
         attachment=tuple(attached[span]),
-        refined_box=take(refined, span),
+        refined_box=box,
+        support_height_m=support_heights(flat.items[span], own, plane, box),
         proximal=(pairs[ours] - first).astype(np.int32),
         proximal_depth_m=depth[ours],
     )

@@ -35,7 +35,9 @@ class Triples:
         return len(self.child)
 
 
-def candidate_triples(flat: FlatEntities, settings: ContactGraphSettings) -> Triples:
+def candidate_triples(
+    flat: FlatEntities, settings: ContactGraphSettings, up_cosine: float
+) -> Triples:
     """Triples within a scene whose plane faces up and may lie below the child.
 
     Layout is never a child. A thing carries only things whose bottom lies higher than its own
@@ -43,7 +45,7 @@ def candidate_triples(flat: FlatEntities, settings: ContactGraphSettings) -> Tri
     Pairs whose bounding rectangles (world axes) do not meet have A = 0 and are left out, and so
     are planes more than a metre below the child (S = 0) or too far above its bottom.
     """
-    facing = np.asarray(flat.planes.valid) & (flat.planes.normal[..., 2] >= settings.up_cosine)
+    facing = np.asarray(flat.planes.valid) & (flat.planes.normal[..., 2] >= up_cosine)
     low, high = _reach(flat, settings)
     sink = max(settings.max_sink_m, settings.attach_distance_m)
     found = []

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator
 
 from ..errors import FrameError
 from ..runtime.prefetch import map_ahead
-from ..types import Frame, Sequence
+from ..types import Frame, RgbdSequence
 
 
 def prefetch(
-    sequence: Sequence, indices: Iterable[int], *, workers: int = 2, ahead: int = 4
+    sequence: RgbdSequence, indices: Iterable[int], *, workers: int = 2, ahead: int = 4
 ) -> Iterator[tuple[int, Frame | FrameError]]:
     """Frames in the order asked for; one that cannot be read comes as its error.
 

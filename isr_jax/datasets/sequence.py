@@ -31,7 +31,7 @@ _ASPECT_TOLERANCE = 0.02
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class RecordedSequence:
-    """A `types.Sequence` over a recording. Made by `open_sequence`."""
+    """A `types.RgbdSequence` over a recording. Made by `open_sequence`."""
 
     name: str
     source: Path

@@ -22,6 +22,7 @@ from .convex import (
 )
 from .planes import plane_height_at, transform_planes
 from .rotations import CUBE_ROTATIONS, rotated_size
+from .support import support_heights
 from .transforms import invert_T, make_T, rot_z, smallest_rotation, wrap_angle
 from .triangles import (
     point_triangle_distance_sq,
@@ -58,6 +59,7 @@ __all__ = [
     "rotated_size",
     "smallest_rotation",
     "stack_boxes",
+    "support_heights",
     "transform_planes",
     "wrap_angle",
 ]

@@ -18,7 +18,7 @@ from ..errors import FrameError, MapError, SegmenterError, SequenceError
 from ..runtime.prefetch import map_ahead
 from ..runtime.reporter import Reporter
 from ..runtime.stage_runner import StageRunner
-from ..types import Frame, FrameSegments, MappingResult, Sequence
+from ..types import Frame, FrameSegments, MappingResult, RgbdSequence
 
 _TRIED_FRAMES = 5
 """Of the frames that must be good, about so many are tried; the first with masks is enough."""
@@ -27,7 +27,7 @@ _AHEAD = 2
 
 
 def fuse(
-    sequence: Sequence,
+    sequence: RgbdSequence,
     segmenter: segmentation.Segmenter,
     settings: Settings,
     runner: StageRunner,
@@ -92,7 +92,10 @@ def fuse_usable(
 
 
 def try_segmenter(
-    sequence: Sequence, segmenter: segmentation.Segmenter, indices: list[int], settings: Settings
+    sequence: RgbdSequence,
+    segmenter: segmentation.Segmenter,
+    indices: list[int],
+    settings: Settings,
 ) -> None:
     """Stop before the first frame is fused where no sampled frame has masks."""
     failed, good = None, (1 - settings.input.max_bad_fraction) * len(indices)
@@ -112,7 +115,7 @@ def try_segmenter(
 
 
 def segmented_frames(
-    sequence: Sequence,
+    sequence: RgbdSequence,
     indices: list[int],
     segmenter: segmentation.Segmenter,
     settings: Settings,
@@ -137,7 +140,7 @@ def _segmented(
         return error
 
 
-def frame_indices(sequence: Sequence, settings: Settings, start: int = 0) -> list[int]:
+def frame_indices(sequence: RgbdSequence, settings: Settings, start: int = 0) -> list[int]:
     """Frames that are read, from ``start`` on; raises `SequenceError` where there are none."""
     indices = list(range(start, len(sequence), settings.input.stride))
     if start and not indices:
@@ -148,7 +151,7 @@ def frame_indices(sequence: Sequence, settings: Settings, start: int = 0) -> lis
 
 
 def _resume(
-    sequence: Sequence, settings: Settings, runner: StageRunner
+    sequence: RgbdSequence, settings: Settings, runner: StageRunner
 ) -> tuple[mapping.PanopticMapper, int, list[str]]:
     """A fresh mapper, or the one that a killed run left behind."""
     found = runner.resume("mapping")

@@ -121,8 +121,10 @@ class LiveMap:
     def contact_graph(self) -> ContactGraph:
         """What carries what now, by position in `entities`."""
         if self._graph is None:
-            found, settings = self.entities(), self.settings.contact_graph
-            self._graph = contact_graph.build_contact_graphs([found], settings)[0]
+            found, settings = self.entities(), self.settings
+            self._graph = contact_graph.build_contact_graphs(
+                [found], settings.contact_graph, settings.support
+            )[0]
         return self._graph
 
     def save(self, path: str | Path) -> None:

@@ -16,7 +16,7 @@ from ..config import Settings, preset
 from ..errors import MapError
 from ..runtime.reporter import Reporter, logged
 from ..runtime.run_folder import RunFolder
-from ..types import Frame, FrameSegments, Sequence
+from ..types import Frame, FrameSegments, RgbdSequence
 from .frames import frame_indices, fuse_usable, segmented_frames, try_segmenter
 from .live import LiveMap
 from .map_files import MapInstance, write_map
@@ -95,7 +95,7 @@ def make_map(
 
 
 def _write(
-    live: LiveMap, sequence: Sequence, T_world: Float[np.ndarray, "4 4"], folder: Path
+    live: LiveMap, sequence: RgbdSequence, T_world: Float[np.ndarray, "4 4"], folder: Path
 ) -> list[MapInstance]:
     about = {"sequence": sequence.name, "frames": live.frames, "map": MAP_FILE}
     found = write_map(live.surface(), folder, T_world_dataset=T_world, about=about)
@@ -104,7 +104,7 @@ def _write(
 
 
 def _opened(
-    sequence: Sequence,
+    sequence: RgbdSequence,
     masks: segmentation.Segmenter,
     settings: Settings,
     continue_from: str | Path | None,
@@ -142,7 +142,7 @@ def _world_of(path: Path) -> Float[np.ndarray, "4 4"]:
 
 def _fuse(
     live: LiveMap,
-    sequence: Sequence,
+    sequence: RgbdSequence,
     masks: segmentation.Segmenter,
     T_map_sequence: Float[np.ndarray, "4 4"],
     start: int,

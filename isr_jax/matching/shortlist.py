@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 from scipy.optimize import linear_sum_assignment
 
 from ..classes import class_named
-from ..config import ContactGraphSettings, MatchingSettings
+from ..config import DEFAULT_SUPPORT, MatchingSettings, SupportSettings
 from ..geometry import CUBE_ROTATIONS
 from ..library import CadLibrary
 from ..library.arrays import MAX_MODEL_PLANES
@@ -33,8 +33,7 @@ def match(
     graphs: Sequence[ContactGraph],
     library: CadLibrary,
     settings: MatchingSettings,
-    *,
-    up_cosine: float = ContactGraphSettings.up_cosine,
+    support: SupportSettings = DEFAULT_SUPPORT,
 ) -> list[Shortlist]:
     """The models of smallest matching distance D for every functional entity of every scene.
 
@@ -45,15 +44,15 @@ def match(
     most 16 of a model, supporting ones first.
 
     Args:
-        up_cosine: A plane is supporting if its normal's z is at least this.
+        support: Says which planes are supporting.
     """
     queries = _queries(scenes, graphs, library, settings)
-    errors = all_errors(queries, library, settings, up_cosine)
+    errors = all_errors(queries, library, settings, support.up_cosine)
     picked = [
         pick_best(query.models, error, library, settings)
         for query, error in zip(queries, errors, strict=True)
     ]
-    matches = _plane_matches(queries, picked, library, settings, up_cosine)
+    matches = _plane_matches(queries, picked, library, settings, support.up_cosine)
     ours = [[i for i, q in enumerate(queries) if q.scene == s] for s in range(len(scenes))]
     return [
         _shortlist_of([queries[i] for i in o], [picked[i] for i in o], [matches[i] for i in o])

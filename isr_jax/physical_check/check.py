@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..config import PhysicalCheckSettings
+from ..config import DEFAULT_SUPPORT, PhysicalCheckSettings, SupportSettings
 from ..library import CadLibrary
 from ..types import Alignments, ContactGraph, Entities, Placement, Shortlist
 from .arrangement import Scene
@@ -19,6 +19,7 @@ def check(
     alignments: Alignments,
     library: CadLibrary,
     settings: PhysicalCheckSettings,
+    support: SupportSettings = DEFAULT_SUPPORT,
 ) -> tuple[Placement, ...]:
     """Choose what stands for each entity; one placement an entity, in their order.
 
@@ -29,7 +30,9 @@ def check(
     move onto their parents' models and overlaps are looked for again. Where a conflict remains
     and no small sideways move ends it, the entity with the larger cost keeps its scan, and says so.
     """
-    options, reasons = options_of(entities, graph, shortlist, alignments, library, settings)
+    options, reasons = options_of(
+        entities, graph, shortlist, alignments, library, settings, support
+    )
     scans = {i: scan_points(e.mesh.vertices) for i, e in enumerate(entities) if not e.is_layout}
     scene = Scene(entities, graph, scans, settings)
     search = Search(scene, options)

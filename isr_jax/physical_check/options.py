@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
-from ..config import PhysicalCheckSettings
+from ..config import PhysicalCheckSettings, SupportSettings
 from ..geometry import box_at, footprint_corners
 from ..library import CadLibrary, CadModel
 from ..types import Alignments, AlignmentStatus, ContactGraph, Entities, Shortlist
@@ -15,7 +15,6 @@ from .contact import contact_ratios
 from .layout import LayoutPlane, cleared_of_layout, layout_planes
 from .solids import Solid, model_parts, solid_of
 
-_UP_COSINE = 0.9
 _USABLE = (AlignmentStatus.CONVERGED, AlignmentStatus.AT_BOUND)
 
 
@@ -79,21 +78,22 @@ def children_of(entities: Entities, graph: ContactGraph, position: int) -> list[
 class _Judge:
     """Turns shortlist rows into options, or into reasons against them."""
 
-    def __init__(self, entities, graph, shortlist, alignments, library, settings) -> None:
+    def __init__(self, entities, graph, shortlist, alignments, library, settings, support) -> None:
         self.entities: Entities = entities
         self.graph: ContactGraph = graph
         self.shortlist: Shortlist = shortlist
         self.alignments: Alignments = alignments
         self.library: CadLibrary = library
         self.settings: PhysicalCheckSettings = settings
+        self.support: SupportSettings = support
         self.layout: list[LayoutPlane] = layout_planes(entities)
 
     def place(self, row: int) -> tuple[Option | None, str | None]:
         """The option of a row before its children are looked at, or why there is none."""
         found, settings = self.alignments, self.settings
-        status, error = int(found.status[row]), float(found.alignment_error_m[row])
+        status, error = AlignmentStatus(int(found.status[row])), float(found.alignment_error_m[row])
         if status not in _USABLE:
-            return None, f"alignment: {AlignmentStatus.NAMES[status]}"
+            return None, f"alignment: {status.label}"
         if not error <= settings.max_alignment_error_m:
             return None, f"AE {error:.3f} m over {settings.max_alignment_error_m:.3f} m"
         position, scale = int(self.shortlist.entity[row]), float(found.scale[row])
@@ -124,7 +124,8 @@ class _Judge:
         """Corners [planes, 4, 3] of the option's up-facing planes, world frame."""
         model: CadModel = self.library[int(self.shortlist.model[option.row])]
         R, t = option.T_world_cad[:3, :3], option.T_world_cad[:3, 3]
-        up = np.asarray(model.planes.valid) & (np.asarray(model.planes.normal) @ R[2] >= _UP_COSINE)
+        up = np.asarray(model.planes.normal) @ R[2] >= self.support.up_cosine
+        up &= np.asarray(model.planes.valid)
         return option.scale * np.asarray(model.planes.corners, np.float64)[up] @ R.T + t
 
 
@@ -141,9 +142,10 @@ def options_of(
     alignments: Alignments,
     library: CadLibrary,
     settings: PhysicalCheckSettings,
+    support: SupportSettings,
 ) -> tuple[dict[int, list[Option]], dict[int, str]]:
     """Options of each entity that has any, and the reason against each row that is none."""
-    judge = _Judge(entities, graph, shortlist, alignments, library, settings)
+    judge = _Judge(entities, graph, shortlist, alignments, library, settings, support)
     placed, reasons = [], {}
     for row in range(len(shortlist.entity)):
         option, reason = judge.place(row)
@@ -178,7 +180,7 @@ def _carrying(judge: _Judge, placed: list[Option]) -> list[tuple[Option, str | N
     for (o, c, height), ratio in zip(keys, ratios.tolist(), strict=True):
         contacts[o][c].append((height, ratio))
     return [
-        _judged(option, children[i], found, judge.settings)
+        _judged(option, children[i], found, judge.settings, judge.support.min_contact)
         for option, i, found in zip(placed, owner, contacts, strict=True)
     ]
 
@@ -188,6 +190,7 @@ def _judged(
     children: list[Child],
     contacts: dict[int, list[tuple[float, float]]],
     settings: PhysicalCheckSettings,
+    min_contact: float,
 ) -> tuple[Option, str | None]:
     """``contacts``: (height, A) of every up-facing plane with each child."""
     carrying = {}
@@ -201,7 +204,7 @@ def _judged(
             limit = settings.child_height_tolerance_m
             return option, f"has no plane within {limit:.2f} m of {child.name}'s bottom"
         best = max(ratio for _, ratio in near)
-        if best < settings.min_contact:
-            return option, f"carries {child.name} with A = {best:.2f} (< {settings.min_contact:g})"
-        carrying[child.position] = [h for h, ratio in near if ratio >= settings.min_contact]
+        if best < min_contact:
+            return option, f"carries {child.name} with A = {best:.2f} (< {min_contact:g})"
+        carrying[child.position] = [h for h, ratio in near if ratio >= min_contact]
     return dataclasses.replace(option, carrying_m=carrying), None

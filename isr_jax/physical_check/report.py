@@ -60,7 +60,7 @@ class Report:
             rotation=int(self.shortlist.rotation[row]),
             matching_error=float(self.shortlist.error[row]),
             alignment_error_m=float(found.alignment_error_m[row]),
-            status=AlignmentStatus.NAMES[int(found.status[row])],
+            status=AlignmentStatus(int(found.status[row])).label,
             reason=reason,
         )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import stack_boxes
+from ..geometry import stack_boxes, support_heights
 from ..scene_file import ROOM_NAME, CadRecord, EntityRecord, SceneFile, plane_records
 from ..types import (
     ROOM,
@@ -114,12 +114,14 @@ def true_graph(room: Room, entities: Entities) -> ContactGraph:
         score[i] = np.prod(np.asarray(entity.box.size)[:2])
     pairs, depth = _proximal(entities, parent)
     attachment = [items[e.name].attachment if e.name in items else "none" for e in entities]
+    box = stack_boxes([entity.box for entity in entities])
     return ContactGraph(
         parent=parent,
         support_plane=plane,
         score=score,
         attachment=tuple(attachment),
-        refined_box=stack_boxes([entity.box for entity in entities]),
+        refined_box=box,
+        support_height_m=support_heights(entities.items, parent, plane, box),
         proximal=pairs,
         proximal_depth_m=depth,
     )
@@ -156,7 +158,7 @@ def true_placements(room: Room, entities: Entities) -> tuple[Placement, ...]:
 def _placement(entity: Entity, item: PlacedModel | None) -> Placement:
     if item is None:
         return Placement(entity.id, None, None, None, None, None, (), "layout")
-    status = AlignmentStatus.NAMES[AlignmentStatus.CONVERGED]
+    status = AlignmentStatus.CONVERGED.label
     return Placement(
         entity_id=entity.id,
         cad_id=item.model.id,

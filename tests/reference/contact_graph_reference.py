@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from isr_jax.classes import class_named
+from isr_jax.config import DEFAULT_SUPPORT
 from isr_jax.types import ROOM, UNSUPPORTED
 
 from .geometry_reference import convex_overlap, footprint_of, overlap_depth, rotation_z
@@ -76,7 +77,7 @@ def admissible(child, parent, gap, contact, score, settings) -> bool:
         limit = settings.max_gap_mounted_m
     sinks = gap < -settings.max_sink_m and not parent.is_layout
     return (
-        contact >= settings.min_contact
+        contact >= DEFAULT_SUPPORT.min_contact
         and score >= settings.min_score
         and gap <= limit
         and not sinks
@@ -93,7 +94,7 @@ def supports(scene, settings, same_score=0.02):
             if not may_carry(child, parent):
                 continue
             for k in range(len(parent.planes.offset)):
-                if parent.planes.normal[k][2] < settings.up_cosine:
+                if parent.planes.normal[k][2] < DEFAULT_SUPPORT.up_cosine:
                     continue
                 gap, contact, score = terms(scene, child, parent, k, settings)
                 if not admissible(child, parent, gap, contact, score, settings):
