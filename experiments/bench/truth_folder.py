@@ -15,7 +15,7 @@ from isr_jax.entities.submesh import submesh
 from isr_jax.errors import SceneError
 from isr_jax.evaluation.maps.segments import observed_ids
 from isr_jax.evaluation.result_files import Truth, read_truth
-from isr_jax.scene_file import EntityRecord, PlaneRecord, SceneFile
+from isr_jax.scene_file import EntityRecord, PlaneRecord, SceneFile, graph_of_scene
 from isr_jax.types import (
     ContactGraph,
     Entities,
