@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import time
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from . import (
     alignment,
@@ -48,6 +52,9 @@ class Scene:
 
     entities: Entities
     graph: ContactGraph
+    shortlist: Shortlist
+    aligned: Alignments
+    """Of each row of the shortlist."""
     placements: tuple[Placement, ...]
     library: CadLibrary
     settings: Settings
@@ -96,23 +103,19 @@ def reconstruct(
         segmenter: From `open_segmenter`; by default the masks that lie beside the frames.
         settings: From `preset`; by default ``default``.
         runner: Where stage results are kept and reused; by default nowhere.
+
+    Raises:
+        IsrError: frames, masks or models that cannot be used.
     """
-    settings = settings or preset("default")
-    runner = runner or StageRunner()
-    library = library or default_library()
+    settings, runner = settings or preset("default"), runner or StageRunner()
     segmenter = segmenter or segmentation.open_segmenter("masks", sequence.source)
     mapped = map_sequence(sequence, segmenter, settings, runner)
-    found = runner.run(
-        "entities",
-        entities.VERSION,
-        settings.entities,
-        {"map": mapped},
-        Entities,
-        lambda: entities.extract_entities(
-            mapped.surface, sequence.T_world_dataset, settings.entities
-        ),
+    frames_to_world = sequence.T_world_dataset
+    (found,) = runner.run(
+        settings, entities.STAGE, entities.extract_scenes, [mapped.surface], [frames_to_world]
     )
-    return dataclasses.replace(furnish(found, library, settings, runner), mapping=mapped)
+    (scene,) = furnish_scenes([found], library, settings, runner=runner)
+    return dataclasses.replace(scene, mapping=mapped)
 
 
 def map_sequence(
@@ -121,22 +124,77 @@ def map_sequence(
     settings: Settings,
     runner: StageRunner,
 ) -> MappingResult:
-    """Fuse all frames into one panoptic map; the runner keeps it."""
-    return runner.run(
-        "mapping",
-        mapping.VERSION,
-        {
-            name: dataclasses.asdict(getattr(settings, name))
-            for name in ("input", "segmentation", "mapping")
-        },
-        {
-            "sequence": sequence.content_hash(),
-            "segmenter": segmenter.content_hash(),
-            "segmentation_version": str(segmentation.VERSION),
-        },
-        MappingResult,
-        lambda: fuse(sequence, segmenter, settings, runner),
+    """Integrate all frames into one panoptic map (Sec. IV); the runner keeps it."""
+
+    def integrate(sequences: list, segmenters: list, segmentation_version: str, *_) -> list:
+        return [fuse(*of_one, settings, runner) for of_one in zip(sequences, segmenters)]
+
+    (mapped,) = runner.run(
+        settings, mapping.STAGE, integrate, [sequence], [segmenter], str(segmentation.VERSION)
     )
+    return mapped
+
+
+def furnish_scenes(
+    scenes: Sequence[Entities],
+    library: CadLibrary | None = None,
+    settings: Settings | None = None,
+    *,
+    runner: StageRunner | None = None,
+) -> list[Scene]:
+    """Work out what carries what, and replace each functional entity by a model that fits.
+
+    Each stage takes the entities of all scenes at once, so that a sweep over many scenes is one
+    call: contact graph (Sec. III), matching (Sec. V-B), alignment (Sec. V-C), physical check
+    (Sec. V-D).
+
+    Args:
+        scenes: The entities of each scene.
+        library: CAD models; by default the package's own.
+        settings: From `preset`; by default ``default``.
+        runner: Where stage results are kept and reused, one store per scene; by default nowhere.
+
+    Returns:
+        One scene for each of ``scenes``, in their order.
+    """
+    library = default_library() if library is None else library
+    settings, runner = settings or preset("default"), runner or StageRunner()
+    run, found = functools.partial(runner.run, settings), list(scenes)
+    graphs = run(contact_graph.STAGE, contact_graph.build_contact_graphs, found)
+    shortlists = run(matching.STAGE, matching.match, found, graphs, library)
+    aligned = run(alignment.STAGE, alignment.align_shortlists, found, graphs, shortlists, library)
+    rows = np.concatenate([shortlist.model for shortlist in shortlists])
+    tried = with_hulls_at(library, rows.tolist(), settings.cad.candidate_hulls, runner.reporter)
+
+    def check(entities, graphs, shortlists, alignments, hulls, library, *settings):
+        each = zip(entities, graphs, shortlists, alignments)
+        return [physical_check.check(*of_one, tried, *settings) for of_one in each]
+
+    placements = run(
+        physical_check.STAGE,
+        check,
+        found,
+        graphs,
+        shortlists,
+        aligned,
+        settings.cad.candidate_hulls,
+        library,
+    )
+    chosen = [tried.position(p.cad_id) for ps in placements for p in ps if p.cad_id is not None]
+    final = with_hulls_at(tried, chosen, settings.cad.chosen_hulls, runner.reporter)
+    parts = zip(found, graphs, shortlists, aligned, placements, strict=True)
+    return [Scene(*of_one, final, settings) for of_one in parts]
+
+
+def replace_with_cad(
+    found: Entities,
+    library: CadLibrary | None = None,
+    settings: Settings | None = None,
+    *,
+    runner: StageRunner | None = None,
+) -> Scene:
+    """`furnish_scenes` of one scene."""
+    return furnish_scenes([found], library, settings, runner=runner)[0]
 
 
 def furnish(
@@ -145,65 +203,9 @@ def furnish(
     settings: Settings,
     runner: StageRunner | None = None,
 ) -> Scene:
-    """Work out what carries what and replace each functional entity by a model that fits."""
-    runner = runner or StageRunner()
-    models = library.content_hash
-    graph = runner.run(
-        "contact_graph",
-        contact_graph.VERSION,
-        settings.contact_graph,
-        {"entities": found},
-        ContactGraph,
-        lambda: contact_graph.build_contact_graphs(
-            [found], settings.contact_graph, settings.support
-        )[0],
-    )
-    shortlist = runner.run(
-        "matching",
-        matching.VERSION,
-        settings.matching,
-        {"entities": found, "graph": graph, "library": models},
-        Shortlist,
-        lambda: matching.match(
-            [found],
-            [graph],
-            library,
-            settings.matching,
-            settings.support,
-        )[0],
-    )
-    aligned = runner.run(
-        "alignment",
-        alignment.VERSION,
-        settings.alignment,
-        {"entities": found, "graph": graph, "shortlist": shortlist, "library": models},
-        Alignments,
-        lambda: alignment.align_shortlists(
-            [found], [graph], [shortlist], library, settings.alignment
-        )[0],
-    )
-    hulls = settings.cad.candidate_hulls
-    tried = with_hulls_at(library, shortlist.model.tolist(), hulls, runner.reporter)
-    placements = runner.run(
-        "physical_check",
-        physical_check.VERSION,
-        settings.physical_check,
-        {
-            "entities": found,
-            "graph": graph,
-            "shortlist": shortlist,
-            "alignments": aligned,
-            "library": models,
-            "hulls": hulls,
-        },
-        tuple,
-        lambda: physical_check.check(
-            found, graph, shortlist, aligned, tried, settings.physical_check, settings.support
-        ),
-    )
-    chosen = [tried.position(p.cad_id) for p in placements if p.cad_id is not None]
-    final = with_hulls_at(tried, chosen, settings.cad.chosen_hulls, runner.reporter)
-    return Scene(found, graph, placements, final, settings)
+    """The old name of `replace_with_cad`, for one release."""
+    warnings.warn("furnish is called replace_with_cad now", DeprecationWarning, stacklevel=2)
+    return replace_with_cad(found, library, settings, runner=runner)
 
 
 def with_hulls_at(
@@ -265,7 +267,7 @@ def run(
     out_dir = Path(out_dir)
     reporter = logged(reporter)
     with RunFolder(out_dir, settings):
-        models = open_library(library) if library else default_library()
+        models = default_library() if library is None else open_library(library)
         sequence = datasets.open_sequence(Path(sequence_dir), settings.input)
         masks = segmentation.open_segmenter(
             segmenter, Path(sequence_dir), settings=settings.segmentation
@@ -308,7 +310,9 @@ __all__ = [
     "Scene",
     "finish",
     "furnish",
+    "furnish_scenes",
     "map_sequence",
     "reconstruct",
+    "replace_with_cad",
     "run",
 ]

@@ -7,7 +7,9 @@ import functools
 import numpy as np
 import pytest
 
+from isr_jax.config import preset, with_overrides
 from isr_jax.errors import SettingError
+from isr_jax.runtime.stage import Stage
 from isr_jax.runtime.stage_runner import STAGES, StageRunner
 from isr_jax.runtime.store import StageStore
 
@@ -26,23 +28,35 @@ class Recorder:
     def note(self, text): ...
 
 
+def stage(name, version=1):
+    return Stage(name, version, tuple, (name,))
+
+
+def settings_of(entity_seed, map_seed):
+    changes = [f"entities.seed={entity_seed}", f"mapping.min_votes={map_seed}"]
+    return with_overrides(preset("default"), changes)
+
+
+def count_up(frames, settings):
+    return [(np.arange(3) * settings.min_votes,) for _ in frames]
+
+
+def times_seed(maps, settings):
+    return [(one[0] * settings.seed,) for one in maps]
+
+
+def plus_one(entities, settings):
+    return [(one[0] + 1,) for one in entities]
+
+
 def chain(root, *, start_from=None, entity_setting=1, map_setting=1):
     """Three stages that read each other, as the pipeline's do."""
     recorder = Recorder()
     runner = StageRunner(StageStore(root), recorder, start_from)
-    mapped = runner.run(
-        "mapping",
-        1,
-        {"v": map_setting},
-        {"frames": "a"},
-        tuple,
-        lambda: (np.arange(3) * map_setting,),
-    )
-    found = runner.run(
-        "entities", 1, {"v": entity_setting}, {"map": mapped}, tuple,
-        lambda: (mapped[0] * entity_setting,),
-    )  # fmt: skip
-    graph = runner.run("contact_graph", 1, {}, {"entities": found}, tuple, lambda: (found[0] + 1,))
+    run = functools.partial(runner.run, settings_of(entity_setting, map_setting))
+    mapped = run(stage("mapping"), count_up, ["a"])
+    found = run(stage("entities"), times_seed, mapped)
+    (graph,) = run(stage("contact_graph"), plus_one, found)
     return graph[0], recorder.reused
 
 
@@ -69,7 +83,7 @@ def test_from_recomputes_that_stage_and_all_after_it(tmp_path):
 
 def test_from_names_the_setting_that_differs(tmp_path):
     chain(tmp_path)
-    with pytest.raises(SettingError, match=r"(?s)mapping.*\bv\b"):
+    with pytest.raises(SettingError, match=r"(?s)mapping.*min_votes"):
         chain(tmp_path, start_from="entities", map_setting=2)
 
 
@@ -91,7 +105,7 @@ def count_to_ten(root, die_at=None, key="a"):
     """A stage that adds 1..10, keeping a checkpoint every 2 steps."""
     runner, steps = StageRunner(StageStore(root), Recorder()), []
 
-    def compute():
+    def compute(frames, settings):
         found = runner.resume("mapping")
         total, start = 0, 0
         if found:
@@ -106,9 +120,9 @@ def count_to_ten(root, die_at=None, key="a"):
                 runner.checkpoint(
                     "mapping", functools.partial(np.savez, total=total), {"done": done}
                 )
-        return (np.array(total),)
+        return [(np.array(total),)]
 
-    result = runner.run("mapping", 1, {}, {"frames": key}, tuple, compute)
+    (result,) = runner.run(preset("default"), stage("mapping"), compute, [key])
     return int(result[0]), steps
 
 
@@ -125,3 +139,31 @@ def test_a_checkpoint_of_other_inputs_is_not_taken(tmp_path):
         count_to_ten(tmp_path, die_at=8, key="a")
     total, steps = count_to_ten(tmp_path, key="b")
     assert total == 55 and steps == list(range(1, 11))
+
+
+def test_only_scenes_without_a_result_are_computed_and_all_in_one_call(tmp_path):
+    calls = []
+
+    def double(entities, library, settings):
+        calls.append(list(entities))
+        return [(np.array(2 * len(name + library)),) for name in entities]
+
+    def run(names, library="kit"):
+        runner = StageRunner([StageStore(tmp_path / name) for name in names], Recorder())
+        found = runner.run(preset("default"), stage("entities"), double, names, library)
+        return [int(one[0]) for one in found]
+
+    assert run(["a", "bb"]) == [8, 10]
+    assert run(["ccc", "a", "dddd", "bb"]) == [12, 8, 14, 10]
+    assert calls == [["a", "bb"], ["ccc", "dddd"]]
+    assert run(["a"], library="other") == [12], "what all scenes share is part of the key"
+
+
+def test_stages_are_those_of_the_pipeline_in_its_order():
+    from isr_jax import alignment, contact_graph, entities, mapping, matching, physical_check
+
+    ours = (mapping, entities, contact_graph, matching, alignment, physical_check)
+    assert tuple(package.STAGE.name for package in ours) == STAGES
+    for package in ours:
+        assert package.STAGE.version == package.VERSION
+        assert package.STAGE.settings[0] == package.STAGE.name

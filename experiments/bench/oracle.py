@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 
+from isr_jax.config import Settings
 from isr_jax.geometry import CUBE_ROTATIONS
 from isr_jax.library import CadLibrary, CadModel
 from isr_jax.runtime.reporter import Reporter
+from isr_jax.runtime.stage import Stage
 from isr_jax.runtime.stage_runner import StageRunner
 from isr_jax.scene_file import CadRecord, EntityRecord
 from isr_jax.types import (
@@ -44,18 +46,16 @@ class TruthRunner(StageRunner):
 
     def run(
         self,
-        stage: str,
-        stage_version: int,
-        settings: Any,
-        inputs: dict[str, Any],
-        kind: type[T],
-        compute: Callable[[], T],
-    ) -> T:
+        settings: Settings,
+        stage: Stage[T],
+        compute: Callable[..., Sequence[T]],
+        *inputs: Any,
+    ) -> list[T]:
         """The truth of ``stage`` where there is one; see `StageRunner.run`."""
-        if stage in self._given:
-            self.reporter.stage(stage, True)
-            return self._given[stage]
-        return super().run(stage, stage_version, settings, inputs, kind, compute)
+        if stage.name in self._given:
+            self.reporter.stage(stage.name, True)
+            return [self._given[stage.name]]
+        return super().run(settings, stage, compute, *inputs)
 
 
 def truth_of_stages(

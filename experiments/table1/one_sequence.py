@@ -109,7 +109,7 @@ def find(sequence, segmenter, settings: Settings, runner: StageRunner) -> Found:
     """The paper's way as far as the contact graph; the map is kept."""
     mapped = map_sequence(sequence, segmenter, settings, runner)
     items = entities.extract_entities(mapped.surface, sequence.T_world_dataset, settings.entities)
-    graph = contact_graph.build_contact_graphs([items], settings.contact_graph)[0]
+    graph = contact_graph.build_contact_graphs([items], settings.contact_graph, settings.support)[0]
     return Found(mapped.surface, items, graph)
 
 

@@ -8,11 +8,14 @@ Follows section III of the paper. For child c, entity i and its plane k, with h(
 All (c, i, k) of all scenes are scored at once on a flat axis; the best admissible parent wins.
 """
 
+from ..runtime.stage import Stage
+from ..types import ContactGraph
 from .build import build_contact_graphs
 from .networkx_view import to_networkx
 from .support import Support, polygon_contact, support_score, vertex_contact
 
 __all__ = [
+    "STAGE",
     "VERSION",
     "Support",
     "build_contact_graphs",
@@ -23,3 +26,4 @@ __all__ = [
 ]
 
 VERSION: int = 2
+STAGE = Stage("contact_graph", VERSION, ContactGraph, ("contact_graph", "support"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float
@@ -35,6 +36,18 @@ def extract_entities(
     return Entities(
         tuple(layout + _numbered(things)), np.asarray(T_world_dataset), surface.voxel_size_m
     )
+
+
+def extract_scenes(
+    surfaces: Sequence[PanopticSurface],
+    T_world_dataset: Sequence[Float[np.ndarray, "4 4"]],
+    settings: EntitySettings,
+) -> list[Entities]:
+    """`extract_entities` of several maps."""
+    return [
+        extract_entities(surface, T, settings)
+        for surface, T in zip(surfaces, T_world_dataset, strict=True)
+    ]
 
 
 def _thing(one: Instance, surface: PanopticSurface, settings: EntitySettings) -> Entity:

@@ -9,12 +9,15 @@ The assignment of planes in d_pi is exact; all (scene, entity, model, rotation) 
 axis. The best of each entity are its shortlist.
 """
 
+from ..runtime.stage import Stage
+from ..types import Shortlist
 from .assignment import assignment_cost
 from .costs import EntityFeatures, ModelFeatures, PairTerms, pair_terms
 from .scoring import matching_errors
 from .shortlist import match
 
 __all__ = [
+    "STAGE",
     "VERSION",
     "EntityFeatures",
     "ModelFeatures",
@@ -26,3 +29,4 @@ __all__ = [
 ]
 
 VERSION: int = 4
+STAGE = Stage("matching", VERSION, Shortlist, ("matching", "support"))

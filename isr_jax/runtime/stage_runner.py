@@ -1,14 +1,18 @@
-"""Run stages, keep what they found, reuse it when nothing that they read has changed."""
+"""Run stages over scenes; keep what they found, and reuse it while what they read is the same."""
 
 from __future__ import annotations
 
+import dataclasses
+import inspect
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ..config import Settings
 from ..errors import SettingError
 from .reporter import LogReporter, Reporter
+from .stage import Stage
 from .store import StageKey, StageStore, content_hash
 
 STAGES = (
@@ -25,74 +29,109 @@ T = TypeVar("T")
 
 
 class StageRunner:
-    """Computes a stage, or takes its stored result.
+    """Computes stages of one scene or of many, or takes their stored results.
 
     The key of a result is a hash of the stage's version, its settings and the contents it read.
     Without ``start_from`` every match is reused. With it, that stage and all after it are computed
     anew, and the earlier ones must match, else the error names what differs.
+
+    Args:
+        stores: Where the results of each scene are kept; by default nowhere.
+        reporter: Receives progress.
+        start_from: One of `STAGES`.
+
+    Raises:
+        SettingError: there is no such stage.
     """
 
     def __init__(
         self,
-        store: StageStore | None = None,
+        stores: StageStore | Sequence[StageStore] | None = None,
         reporter: Reporter | None = None,
         start_from: str | None = None,
     ) -> None:
         if start_from is not None and start_from not in STAGES:
             raise SettingError(f"unknown stage {start_from!r}", f"use one of: {', '.join(STAGES)}")
         self.reporter = reporter or LogReporter()
-        self._store = store
+        self._stores = [stores] if isinstance(stores, StageStore) else list(stores or ())
         self._start_from = start_from
         self._key: StageKey | None = None
 
     def run(
         self,
-        stage: str,
-        stage_version: int,
-        settings: Any,
-        inputs: dict[str, Any],
-        kind: type[T],
-        compute: Callable[[], T],
-    ) -> T:
-        """The result of ``stage``: stored, or computed now and stored.
+        settings: Settings,
+        stage: Stage[T],
+        compute: Callable[..., Sequence[T]],
+        *inputs: Any,
+    ) -> list[T]:
+        """The result of a stage for every scene: stored, or computed now and stored.
+
+        Scenes whose results are stored are left out of the call, so all others are computed
+        together.
 
         Args:
-            stage: One of `STAGES`.
-            stage_version: The stage's ``VERSION``.
-            settings: Its settings, a dataclass or nested plain data.
-            inputs: What it reads: content hashes, or values to hash.
-            kind: Type of the result.
-            compute: Called when nothing stored matches.
-        """
-        if self._store is None:
-            self.reporter.stage(stage, False)
-            return compute()
-        hashes = {k: v if isinstance(v, str) else content_hash(v) for k, v in inputs.items()}
-        self._key = self._store.key(stage, stage_version, settings, hashes)
-        stored = self._load(stage, kind)
-        if stored is not None:
-            self.reporter.stage(stage, True)
-            return stored
-        self.reporter.stage(stage, False)
-        value = compute()
-        self._store.save(stage, self._key, value)
-        self._drop_checkpoint(stage)
-        return value
+            settings: Of the whole run; the stage gets its sections after its inputs.
+            stage: What its package states.
+            compute: The stage's public function: takes the inputs and the sections, and returns
+                one result per scene.
+            *inputs: What it reads: a list has one item per scene, anything else is of all scenes.
 
-    def _load(self, stage: str, kind: type[T]) -> T | None:
-        assert self._store is not None and self._key is not None
+        Raises:
+            SettingError: a stage before ``start_from`` has no stored result that matches.
+        """
+        count = next(len(value) for value in inputs if isinstance(value, list))
+        sections = [getattr(settings, name) for name in stage.settings]
+        if not self._stores:
+            self.reporter.stage(stage.name, False)
+            return list(compute(*inputs, *sections))
+        keys = self._keys(stage, settings, _named(compute, inputs), count)
+        found = [
+            self._stored(store, stage, key) for store, key in zip(self._stores, keys, strict=True)
+        ]
+        missing = [i for i, result in enumerate(found) if result is None]
+        self.reporter.stage(stage.name, not missing)
+        if missing:
+            self._key = keys[missing[0]]  # of the checkpoint, where one scene is computed
+            some = [[v[i] for i in missing] if isinstance(v, list) else v for v in inputs]
+            for i, result in zip(missing, compute(*some, *sections), strict=True):
+                self._stores[i].save(stage.name, keys[i], result)
+                found[i] = result
+            self._drop_checkpoint(stage.name)
+        return [result for result in found if result is not None]
+
+    def _keys(
+        self, stage: Stage, settings: Settings, inputs: dict[str, Any], count: int
+    ) -> list[StageKey]:
+        plain = {name: dataclasses.asdict(getattr(settings, name)) for name in stage.settings}
+        shared = {n: _hash(v) for n, v in inputs.items() if not isinstance(v, list)}
+        return [
+            self._stores[i].key(
+                stage.name,
+                stage.version,
+                plain,
+                shared | {n: _hash(v[i]) for n, v in inputs.items() if isinstance(v, list)},
+            )
+            for i in range(count)
+        ]
+
+    def _stored(self, store: StageStore, stage: Stage[T], key: StageKey) -> T | None:
         if self._start_from is None:
-            return self._store.load(stage, self._key, kind)
-        if STAGES.index(stage) >= STAGES.index(self._start_from):
+            return store.load(stage.name, key, stage.result)
+        if STAGES.index(stage.name) >= STAGES.index(self._start_from):
             return None
-        stored = self._store.load(stage, self._key, kind)
+        stored = store.load(stage.name, key, stage.result)
         if stored is None:
             raise SettingError(
-                f"--from {self._start_from} needs the stored result of {stage}, "
-                f"which does not match: {self._store.explain(stage, self._key)}",
-                f"give the settings of that run, or start with --from {stage}",
+                f"--from {self._start_from} needs the stored result of {stage.name}, "
+                f"which does not match: {store.explain(stage.name, key)}",
+                f"give the settings of that run, or start with --from {stage.name}",
             )
         return stored
+
+    @property
+    def _store(self) -> StageStore | None:
+        """Of the one scene that checkpoints are kept of."""
+        return self._stores[0] if len(self._stores) == 1 else None
 
     def checkpoint(
         self, stage: str, save: Callable[[Path], None], state: dict[str, Any]
@@ -132,6 +171,20 @@ class StageRunner:
         return self._store.root / f"{stage}.checkpoint.json"
 
     def _drop_checkpoint(self, stage: str) -> None:
-        assert self._store is not None
+        if self._store is None:
+            return
         for path in self._store.root.glob(f"{stage}.checkpoint*"):
             path.unlink()
+
+
+def _named(compute: Callable[..., Any], inputs: tuple[Any, ...]) -> dict[str, Any]:
+    """The inputs by the names that the stage's function gives them."""
+    return dict(zip(inspect.signature(compute).parameters, inputs, strict=False))
+
+
+def _hash(value: Any) -> str:
+    """Content hash of an input: its own where it has one."""
+    own = getattr(value, "content_hash", None)
+    if own is None:
+        return value if isinstance(value, str) else content_hash(value)
+    return own if isinstance(own, str) else own()
