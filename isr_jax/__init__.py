@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from .evaluation import evaluate
     from .map_runs.live import LiveMap
     from .map_runs.make_map import make_map
-    from .pipeline import Scene, furnish, reconstruct, run
+    from .pipeline import furnish, furnish_scenes, reconstruct, replace_with_cad, run
+    from .scene import Scene, load_scene
     from .scene_file import read_scene
     from .segmentation import open_segmenter
     from .stability import settle
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 _HOME = {
     "IsrError": "errors",
     "LiveMap": "map_runs.live",
-    "Scene": "pipeline",
+    "Scene": "scene",
     "Settings": "config",
     "align": "alignment",
     "alignment_error": "alignment",
@@ -47,8 +48,10 @@ _HOME = {
     "film_room": "demonstration.film",
     "fit": "cad",
     "furnish": "pipeline",
+    "furnish_scenes": "pipeline",
     "inspect_sequence": "datasets",
     "load_library": "cad",
+    "load_scene": "scene",
     "make_map": "map_runs.make_map",
     "open_library": "cad",
     "open_segmenter": "segmentation",
@@ -56,6 +59,7 @@ _HOME = {
     "preset": "config",
     "read_scene": "scene_file",
     "reconstruct": "pipeline",
+    "replace_with_cad": "pipeline",
     "run": "pipeline",
     "settle": "stability",
     "view": "viewer",
@@ -87,8 +91,10 @@ __all__ = [
     "film_room",
     "fit",
     "furnish",
+    "furnish_scenes",
     "inspect_sequence",
     "load_library",
+    "load_scene",
     "make_map",
     "open_library",
     "open_segmenter",
@@ -96,6 +102,7 @@ __all__ = [
     "preset",
     "read_scene",
     "reconstruct",
+    "replace_with_cad",
     "run",
     "settle",
     "view",

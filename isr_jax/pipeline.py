@@ -8,7 +8,6 @@ import time
 import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from . import (
     contact_graph,
     datasets,
     entities,
-    export,
     mapping,
     matching,
     physical_check,
@@ -27,64 +25,20 @@ from . import (
 from .borders import drawing
 from .cad import default_library, open_library
 from .cad.collision import with_hulls
-from .config import Settings, preset, settings_to_dict
+from .config import Settings, preset
 from .library import CadLibrary
 from .map_runs.frames import fuse
 from .runtime.reporter import LOGGER, Reporter, logged
-from .runtime.run_folder import RunFolder, versions
+from .runtime.run_folder import RunFolder
 from .runtime.stage_runner import STAGES, StageRunner
 from .runtime.store import StageStore
+from .scene import Scene
 from .scene_file import SceneFile
 from .types import (
-    Alignments,
-    ContactGraph,
     Entities,
     MappingResult,
-    Placement,
     RgbdSequence,
-    Shortlist,
 )
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Scene:
-    """A reconstructed scene: what is there, what carries it, and which model stands for it."""
-
-    entities: Entities
-    graph: ContactGraph
-    shortlist: Shortlist
-    aligned: Alignments
-    """Of each row of the shortlist."""
-    placements: tuple[Placement, ...]
-    library: CadLibrary
-    settings: Settings
-    mapping: MappingResult | None = None
-    """None when the entities did not come from frames."""
-
-    def save(self, out_dir: str | Path) -> SceneFile:
-        """Write scene.json, scene.xml, the URDF package and the GLB; each is read back and checked.
-
-        Raises:
-            OutputError: the folder cannot be written, or an export differs from the scene.
-        """
-        return export.export_scene(
-            self.entities,
-            self.graph,
-            self.placements,
-            self.library,
-            Path(out_dir),
-            self.settings.export,
-            metrics=self._metrics(),
-            all_settings=settings_to_dict(self.settings),
-            versions=versions(),
-            surface=self.mapping.surface if self.mapping else None,
-        )
-
-    def _metrics(self) -> dict[str, Any]:
-        if self.mapping is None:
-            return {}
-        skipped = list(self.mapping.skipped)
-        return {"frames_used": self.mapping.frames_used, "frames_skipped": skipped}
 
 
 def reconstruct(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import json
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -19,9 +20,20 @@ import numpy as np
 from .errors import SceneError
 from .geometry import box_at, stack_boxes, support_heights
 from .library import CadLibrary
-from .types import ROOM, UNSUPPORTED, Box, Candidate, ContactGraph, Entities, Entity, Placement
+from .types import (
+    ROOM,
+    UNSUPPORTED,
+    Box,
+    Candidate,
+    ContactGraph,
+    Entities,
+    Entity,
+    Mesh,
+    Placement,
+    PlaneSet,
+)
 
-SCHEMA_VERSION = "1.0"
+SCHEMA_VERSION = "1.1"
 ROOM_NAME = "room"
 NOT_ANNOTATED = "not annotated"
 """In the ``settings`` of a true scene, of ``supports`` and ``cad`` that nobody wrote down."""
@@ -68,6 +80,19 @@ class EntityRecord:
     cad: CadRecord | None
     candidates: tuple[Candidate, ...] = ()
     reason: str | None = None
+    observed_box: Box | None = None
+    """Before its bottom was moved onto what carries the entity; None in files that do not say."""
+    support_score: float | None = None
+    """S of the supporting parent; None in files that do not say."""
+    merged_ids: tuple[int, ...] = ()
+
+
+@dataclasses.dataclass(frozen=True)
+class LibraryRecord:
+    """Which CAD models stand in a scene."""
+
+    source: str
+    content_hash: str
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -81,6 +106,8 @@ class SceneFile:
     metrics: dict[str, Any] = dataclasses.field(default_factory=dict)
     settings: dict[str, Any] = dataclasses.field(default_factory=dict)
     versions: dict[str, str] = dataclasses.field(default_factory=dict)
+    library: LibraryRecord | None = None
+    """None in files that do not say."""
 
     def entity(self, name: str) -> EntityRecord:
         return next(e for e in self.entities if e.name == name)
@@ -112,7 +139,8 @@ def scene_from_stages(
             graph.proximal.tolist(), graph.proximal_depth_m.tolist(), strict=True
         )
     )
-    return SceneFile(records, entities.T_world_dataset, proximal, **rest)
+    models = LibraryRecord(library.source, library.content_hash)
+    return SceneFile(records, entities.T_world_dataset, proximal, library=models, **rest)
 
 
 def _entity_record(
@@ -150,6 +178,9 @@ def _entity_record(
         cad=cad,
         candidates=placement.candidates,
         reason=placement.reason,
+        observed_box=entity.box,
+        support_score=float(graph.score[i]),
+        merged_ids=entity.merged_ids,
     )
 
 
@@ -178,7 +209,7 @@ def plane_records(entity: Entity) -> tuple[PlaneRecord, ...]:
 def graph_of_scene(scene: SceneFile, entities: Entities) -> ContactGraph:
     """The contact graph that a scene file states, by position in its ``entities``.
 
-    The file keeps no scores: S is 1 where something carries an entity, else 0.
+    Where the file states no score, S is 1 for what something carries, else 0.
     """
     place = {record.name: i for i, record in enumerate(scene.entities)}
     special = {ROOM_NAME: ROOM, None: UNSUPPORTED}
@@ -191,12 +222,74 @@ def graph_of_scene(scene: SceneFile, entities: Entities) -> ContactGraph:
     return ContactGraph(
         parent=parent,
         support_plane=plane,
-        score=(parent >= 0).astype(np.float32),
+        score=np.array([_score(r, p) for r, p in zip(scene.entities, parents)], np.float32),
         attachment=tuple(record.attachment for record in scene.entities),
         refined_box=box,
         support_height_m=support_heights(entities.items, parent, plane, box),
         proximal=np.array(pairs, np.int32).reshape(-1, 2),
         proximal_depth_m=np.array([depth for _, _, depth in scene.proximal], np.float32),
+    )
+
+
+def _score(record: EntityRecord, parent: int) -> float:
+    return float(parent >= 0) if record.support_score is None else record.support_score
+
+
+def entities_of_scene(
+    scene: SceneFile, meshes: Callable[[EntityRecord], Mesh], voxel_size_m: float
+) -> Entities:
+    """The entities that a scene file states.
+
+    Args:
+        scene: As read.
+        meshes: Gives the mesh of each, world frame.
+        voxel_size_m: Of the map that they came from.
+    """
+    items = tuple(
+        Entity(
+            record.id,
+            record.name,
+            record.class_name,
+            record.observed_box or record.box,
+            _plane_set(record.planes),
+            meshes(record),
+            record.type == "layout",
+            record.merged_ids,
+        )
+        for record in scene.entities
+    )
+    return Entities(items, scene.T_world_dataset, voxel_size_m)
+
+
+def _plane_set(records: tuple[PlaneRecord, ...]) -> PlaneSet:
+    count = len(records)
+    return PlaneSet(
+        np.array([r.normal for r in records], np.float32).reshape(count, 3),
+        np.array([r.offset for r in records], np.float32),
+        np.array([r.corners for r in records], np.float32).reshape(count, 4, 3),
+        np.array([r.area_m2 for r in records], np.float32),
+        np.ones(count, bool),
+    )
+
+
+def placements_of_scene(scene: SceneFile) -> tuple[Placement, ...]:
+    """What stands for each entity, as the file states it."""
+    return tuple(_placement(record) for record in scene.entities)
+
+
+def _placement(record: EntityRecord) -> Placement:
+    cad = record.cad
+    if cad is None:
+        return Placement(record.id, None, None, None, None, None, record.candidates, record.reason)
+    return Placement(
+        record.id,
+        cad.id,
+        cad.T_world_cad,
+        cad.scale,
+        cad.matching_error,
+        cad.alignment_error_m,
+        record.candidates,
+        record.reason,
     )
 
 
@@ -250,21 +343,32 @@ def _scene_to_json(scene: SceneFile) -> dict[str, Any]:
         "metrics": scene.metrics,
         "settings": scene.settings,
         "versions": scene.versions,
+        **({} if scene.library is None else {"library": dataclasses.asdict(scene.library)}),
     }
 
 
+def _box_to_json(box: Box) -> dict[str, Any]:
+    return {name: _numbers(getattr(box, name)) for name in ("center", "yaw", "size")}
+
+
+def _box_from_json(box: dict[str, Any]) -> Box:
+    return Box(*(np.array(box[name], np.float32) for name in ("center", "yaw", "size")))
+
+
 def _entity_to_json(entity: EntityRecord) -> dict[str, Any]:
-    box, cad = entity.box, entity.cad
+    cad, more = entity.cad, {}
+    if entity.observed_box is not None:
+        more["observed_box"] = _box_to_json(entity.observed_box)
+    if entity.support_score is not None:
+        more["support_score"] = _numbers(entity.support_score)
+    if entity.merged_ids:
+        more["merged_ids"] = [int(i) for i in entity.merged_ids]
     return {
         "id": int(entity.id),
         "name": entity.name,
         "class": entity.class_name,
         "type": entity.type,
-        "box": {
-            "center": _numbers(box.center),
-            "yaw": _numbers(box.yaw),
-            "size": _numbers(box.size),
-        },
+        "box": _box_to_json(entity.box),
         "planes": [
             {
                 "normal": _numbers(p.normal),
@@ -289,6 +393,7 @@ def _entity_to_json(entity: EntityRecord) -> dict[str, Any]:
         },
         "candidates": [dataclasses.asdict(c) for c in entity.candidates],
         "reason": entity.reason,
+        **more,
     }
 
 
@@ -300,11 +405,12 @@ def _scene_from_json(data: dict[str, Any]) -> SceneFile:
         metrics=data["metrics"],
         settings=data["settings"],
         versions=data["versions"],
+        library=LibraryRecord(**data["library"]) if "library" in data else None,
     )
 
 
 def _entity_from_json(data: dict[str, Any]) -> EntityRecord:
-    box, cad = data["box"], data["cad"]
+    cad = data["cad"]
 
     def array(values: Any) -> np.ndarray:
         return np.array(values, np.float32)
@@ -314,7 +420,7 @@ def _entity_from_json(data: dict[str, Any]) -> EntityRecord:
         name=data["name"],
         class_name=data["class"],
         type=data["type"],
-        box=Box(array(box["center"]), array(box["yaw"]), array(box["size"])),
+        box=_box_from_json(data["box"]),
         planes=tuple(
             PlaneRecord(array(p["normal"]), p["offset"], array(p["corners"]), p["area_m2"])
             for p in data["planes"]
@@ -334,4 +440,7 @@ def _entity_from_json(data: dict[str, Any]) -> EntityRecord:
         ),
         candidates=tuple(Candidate(**c) for c in data["candidates"]),
         reason=data["reason"],
+        observed_box=_box_from_json(data["observed_box"]) if "observed_box" in data else None,
+        support_score=data.get("support_score"),
+        merged_ids=tuple(data.get("merged_ids", ())),
     )

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
+from isr_jax.borders.ply import write_ply
 from isr_jax.classes import class_named
 from isr_jax.datasets import (
     detect_format,
@@ -27,7 +28,6 @@ from isr_jax.datasets.ply_tables import read_ply_mesh
 from isr_jax.datasets.scenenn_truth import VERSIONS
 from isr_jax.errors import FrameError, IsrError, SequenceError
 from isr_jax.evaluation import evaluate
-from isr_jax.export.ply import write_ply
 from isr_jax.geometry.boxes import box_corners
 from isr_jax.scene_file import read_scene, write_scene
 from isr_jax.types import Mesh

@@ -28,7 +28,7 @@ STAGES = {
     "synthetic",
     "viewer",
 }
-COMPOSERS = {"pipeline", "map_runs", "demonstration", "cli", "__init__", "__main__"}
+COMPOSERS = {"pipeline", "scene", "map_runs", "demonstration", "cli", "__init__", "__main__"}
 """The only modules that may import stages."""
 
 

@@ -15,14 +15,12 @@ from isr_jax.entities.submesh import submesh
 from isr_jax.errors import SceneError
 from isr_jax.evaluation.maps.segments import observed_ids
 from isr_jax.evaluation.result_files import Truth, read_truth
-from isr_jax.scene_file import EntityRecord, PlaneRecord, SceneFile, graph_of_scene
+from isr_jax.scene_file import SceneFile, entities_of_scene, graph_of_scene
 from isr_jax.types import (
     ContactGraph,
     Entities,
-    Entity,
     Mesh,
     PanopticSurface,
-    PlaneSet,
 )
 
 _SEEN_WITHIN_M = 0.03
@@ -58,9 +56,9 @@ def read_true_scene(truth_dir: Path, voxel_size_m: float) -> TrueScene:
         SceneError: a file is missing or is not what it should be.
     """
     scene = _seen_scene(read_truth(truth_dir))
-    entities = Entities(
-        tuple(_entity(record, truth_dir) for record in scene.entities),
-        scene.T_world_dataset,
+    entities = entities_of_scene(
+        scene,
+        lambda record: _mesh(truth_dir / (record.mesh or f"meshes/{record.name}.ply")),
         voxel_size_m,
     )
     return TrueScene(
@@ -81,29 +79,6 @@ def _seen_scene(truth: Truth) -> SceneFile:
         truth.scene,
         entities=tuple(e for e in truth.scene.entities if e.name in kept),
         proximal=tuple(p for p in truth.scene.proximal if p[0] in kept and p[1] in kept),
-    )
-
-
-def _entity(record: EntityRecord, truth_dir: Path) -> Entity:
-    return Entity(
-        record.id,
-        record.name,
-        record.class_name,
-        record.box,
-        _planes(record.planes),
-        _mesh(truth_dir / (record.mesh or f"meshes/{record.name}.ply")),
-        record.type == "layout",
-    )
-
-
-def _planes(records: tuple[PlaneRecord, ...]) -> PlaneSet:
-    count = len(records)
-    return PlaneSet(
-        np.array([r.normal for r in records], np.float32).reshape(count, 3),
-        np.array([r.offset for r in records], np.float32),
-        np.array([r.corners for r in records], np.float32).reshape(count, 4, 3),
-        np.array([r.area_m2 for r in records], np.float32),
-        np.ones(count, bool),
     )
 
 

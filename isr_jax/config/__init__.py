@@ -19,7 +19,13 @@ from .scene_stages import (
 )
 from .sensor import NoiseModel, PoseNoise
 from .settings import Settings
-from .text import settings_from_toml, settings_to_dict, settings_to_toml, with_overrides
+from .text import (
+    settings_from_dict,
+    settings_from_toml,
+    settings_to_dict,
+    settings_to_toml,
+    with_overrides,
+)
 
 __all__ = [
     "DEFAULT_SUPPORT",
@@ -41,6 +47,7 @@ __all__ = [
     "SupportSettings",
     "preset",
     "setting",
+    "settings_from_dict",
     "settings_from_toml",
     "settings_to_dict",
     "settings_to_toml",

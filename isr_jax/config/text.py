@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -84,11 +85,17 @@ def settings_from_toml(path: Path) -> Settings:
         raise SettingError(f"{path}: {error.strerror}", "give a config.toml") from None
     except tomllib.TOMLDecodeError as error:
         raise SettingError(f"{path} is not TOML: {error}", "mend that line") from None
-    settings = preset(str(data.pop("preset", "default")))
+    return _with_sections(data, str(path))
+
+
+def _with_sections(data: Mapping[str, Any], where: str) -> Settings:
+    settings = preset(str(data.get("preset", "default")))
     for section, values in data.items():
+        if section == "preset":
+            continue
         if not isinstance(values, dict):
             raise SettingError(
-                f"{path}: {section} stands outside a section", "put it below its [section]"
+                f"{where}: {section} stands outside a section", "put it below its [section]"
             )
         for name, value in values.items():
             text = str(value).lower() if isinstance(value, bool) else str(value)
@@ -99,6 +106,15 @@ def settings_from_toml(path: Path) -> Settings:
 def settings_to_dict(settings: Settings) -> dict[str, Any]:
     """Nested plain data, for scene.json: what is infinite is the text ``inf``, as in TOML."""
     return _json_safe(dataclasses.asdict(settings))
+
+
+def settings_from_dict(data: Mapping[str, Any]) -> Settings:
+    """Settings as `settings_to_dict` wrote them; what is left out keeps its preset's value.
+
+    Raises:
+        SettingError: unknown preset, section or name, or a value of another type.
+    """
+    return _with_sections(data, "settings")
 
 
 def _json_safe(value: Any) -> Any:

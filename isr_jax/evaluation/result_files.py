@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, Int
 
+from ..borders.ply import read_ply
 from ..errors import SceneError
 from ..geometry.boxes import canonical_box
 from ..scene_file import SceneFile, read_scene
 from ..types import Box, Mesh
-from .maps.ply_files import read_ply
 
 _COLUMNS = ("x", "y", "z", "instance", "class")
 _TRUTH_HINT = "give the folder truth/ of a rendered sequence"

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from ..borders.ply import write_ply
 from ..config import ExportSettings
 from ..errors import OutputError
 from ..library import CadLibrary
@@ -16,7 +17,6 @@ from .bodies import Body, scene_bodies
 from .glb_scene import write_glb
 from .labels import final_labels
 from .mjcf_scene import write_mjcf
-from .ply import write_ply
 from .resting import Adjustments, settle_down
 from .urdf_scene import write_urdf_package
 from .verify import verify_exports

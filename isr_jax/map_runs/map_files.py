@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from ..borders.ply import write_ply
 from ..classes import classes
 from ..export.glb import GlbFile
 from ..export.glb_scene import T_GLTF_WORLD
-from ..export.ply import write_ply
 from ..robot_model.mesh_files import write_file
 from ..types import Mesh, PanopticSurface
 

@@ -1,19 +1,93 @@
-"""Reads binary PLY files: a table of vertices, and triangles."""
+"""Border: binary PLY files of meshes, written and read."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Int
 
-from ...errors import SceneError
+from ..errors import OutputError, SceneError
+from ..types import Mesh
 
 _TYPES = {
-    "char": "i1", "uchar": "u1", "short": "<i2", "ushort": "<u2", "int": "<i4", "uint": "<u4",
-    "float": "<f4", "double": "<f8", "int8": "i1", "uint8": "u1", "int16": "<i2", "uint16": "<u2",
-    "int32": "<i4", "uint32": "<u4", "float32": "<f4", "float64": "<f8",
-}  # fmt: skip
+    "char": "i1",
+    "uchar": "u1",
+    "short": "<i2",
+    "ushort": "<u2",
+    "int": "<i4",
+    "uint": "<u4",
+    "float": "<f4",
+    "double": "<f8",
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "<i2",
+    "uint16": "<u2",
+    "int32": "<i4",
+    "uint32": "<u4",
+    "float32": "<f4",
+    "float64": "<f8",
+}
+
+
+def write_ply(path: Path, mesh: Mesh, extra: Mapping[str, np.ndarray] | None = None) -> None:
+    """Write vertices, normals, colours, and integer columns of the vertices, little-endian.
+
+    Raises:
+        OutputError: the file cannot be written.
+    """
+    columns = _columns(mesh) | {k: np.asarray(v, np.int32) for k, v in (extra or {}).items()}
+    kinds = {"f": "float", "u": "uchar", "i": "int"}
+    table = np.zeros(
+        len(mesh.vertices), [(k, v.dtype.newbyteorder("<")) for k, v in columns.items()]
+    )
+    for name, values in columns.items():
+        table[name] = values
+    faces = np.zeros(len(mesh.faces), [("count", "u1"), ("rows", "<i4", (3,))])
+    faces["count"], faces["rows"] = 3, mesh.faces
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(table)}"]
+    header += [f"property {kinds[v.dtype.kind]} {k}" for k, v in columns.items()]
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes("\n".join(header).encode() + b"\n" + table.tobytes() + faces.tobytes())
+    except OSError as error:
+        raise OutputError(
+            f"{path}: {error.strerror}", "give a folder that can be written"
+        ) from None
+
+
+def _columns(mesh: Mesh) -> dict[str, np.ndarray]:
+    columns = dict(zip("xyz", np.asarray(mesh.vertices, np.float32).T, strict=True))
+    if mesh.normals is not None:
+        columns |= dict(
+            zip(("nx", "ny", "nz"), np.asarray(mesh.normals, np.float32).T, strict=True)
+        )
+    if mesh.colors is not None:
+        columns |= dict(zip(("red", "green", "blue"), np.asarray(mesh.colors).T, strict=True))
+    return columns
+
+
+def read_mesh(path: Path, hint: str) -> Mesh:
+    """A mesh as `write_ply` wrote it, with normals and colours where the file has them.
+
+    Raises:
+        SceneError: as `read_ply`.
+    """
+    table, faces = read_ply(path, ("x", "y", "z"), hint)
+
+    def columns(names: tuple[str, ...]) -> np.ndarray | None:
+        if not set(names) <= set(table.dtype.names or ()):
+            return None
+        return np.stack([table[name] for name in names], 1)
+
+    return Mesh(
+        vertices=np.stack([table[axis] for axis in "xyz"], 1),
+        faces=faces,
+        colors=columns(("red", "green", "blue")),
+        normals=columns(("nx", "ny", "nz")),
+    )
 
 
 def read_ply(
