@@ -11,6 +11,8 @@
 Names are imported when they are first used, so that ``isr --help`` answers at once.
 """
 
+# pyright: strict
+
 from __future__ import annotations
 
 import importlib

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import networkx
 import pytest
 
 from .conftest import REPOSITORY
@@ -28,8 +29,24 @@ STAGES = {
     "synthetic",
     "viewer",
 }
-COMPOSERS = {"pipeline", "scene", "map_runs", "demonstration", "cli", "__init__", "__main__"}
-"""The only modules that may import stages."""
+LAYERS = (
+    {"errors", "types"},
+    {"config", "classes", "geometry", "robot_model"},
+    {"library", "borders", "runtime"},
+    {"scene_file"},
+    STAGES,
+    {"scene", "map_runs"},
+    {"pipeline"},
+    {"demonstration"},
+    {"cli"},
+    {"__init__", "__main__"},
+)
+"""The rooms of the package from the ground up: a room imports only what lies below it, or beside it
+where it is no stage."""
+HEIGHT = {room: height for height, layer in enumerate(LAYERS) for room in layer}
+COMPOSERS = set().union(*LAYERS[LAYERS.index(STAGES) + 1 :])
+"""The only rooms that may import stages."""
+MOST_ROOT_MODULES = 10
 
 
 def imported_modules(source: str, module: str) -> set[str]:
@@ -45,15 +62,20 @@ def imported_modules(source: str, module: str) -> set[str]:
     return found
 
 
-def stage_violations(source: str, module: str) -> list[str]:
-    """Imports of a stage that a module has no right to."""
-    room = module.split(".")[1] if "." in module else "__init__"
-    if room in COMPOSERS:
-        return []
+def room_of(module: str) -> str:
+    return module.split(".")[1] if "." in module else "__init__"
+
+
+def rooms_above(source: str, module: str) -> list[str]:
+    """Rooms that a module imports and has no right to."""
+    room = room_of(module)
     imported = {
-        m.split(".")[1] for m in imported_modules(source, module) if m.startswith("isr_jax.")
-    }
-    return sorted((imported & STAGES) - {room})
+        room_of(name)
+        for name in imported_modules(source, module)
+        if name.startswith("isr_jax.") and room_of(name) in HEIGHT
+    } - {room}
+    beside = set() if room in STAGES else LAYERS[HEIGHT[room]]
+    return sorted(r for r in imported if HEIGHT[r] >= HEIGHT[room] and r not in beside)
 
 
 def package_modules() -> list[tuple[str, Path]]:
@@ -64,13 +86,43 @@ def package_modules() -> list[tuple[str, Path]]:
     return modules
 
 
-def test_stages_do_not_import_each_other():
+def home_of(name: str, modules: set[str]) -> str:
+    """The module that defines a dotted name; a package is its ``__init__``."""
+    while name:
+        for module in (name, f"{name}.__init__"):
+            if module in modules:
+                return module
+        name = name.rpartition(".")[0]
+    return ""
+
+
+def test_the_rooms_are_those_of_the_plan():
+    found = {path.stem for path in PACKAGE.glob("*.py")}
+    assert len(found) <= MOST_ROOT_MODULES, f"the root is no heap: {sorted(found)}"
+    found |= {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
+    assert found == set(HEIGHT)
+
+
+def test_nothing_imports_back_up():
     broken = {
-        name: violations
+        name: above
         for name, path in package_modules()
-        if (violations := stage_violations(path.read_text("utf-8"), name))
+        if (above := rooms_above(path.read_text("utf-8"), name))
     }
-    assert not broken, f"stages are passed what they need, they import no other stage: {broken}"
+    assert not broken, f"a room imports what lies below it alone: {broken}"
+
+
+def test_no_module_imports_itself_by_way_of_others():
+    modules = dict(package_modules())
+    known = set(modules)
+    arrows = networkx.DiGraph()
+    for name, path in modules.items():
+        for other in imported_modules(path.read_text("utf-8"), name):
+            home = home_of(other, known) if other.startswith("isr_jax.") else ""
+            if home and home != name and not home.endswith("__init__"):
+                arrows.add_edge(name, home)
+    circles = [sorted(c) for c in networkx.strongly_connected_components(arrows) if len(c) > 1]
+    assert not circles
 
 
 @pytest.mark.parametrize(
@@ -84,14 +136,15 @@ def test_stages_do_not_import_each_other():
     ],
 )
 def test_a_stage_that_imports_a_stage_is_caught(line):
-    assert stage_violations(line, "isr_jax.alignment.kernels")
+    assert rooms_above(line, "isr_jax.alignment.kernels")
 
 
-def test_lower_layer_and_own_modules_are_allowed():
+def test_lower_rooms_and_own_modules_are_allowed():
     fine = "from ..geometry import rot_z\nfrom .kernels import solve\nfrom isr_jax.types import Box"
-    assert not stage_violations(fine, "isr_jax.alignment.solve")
-    assert not stage_violations("from .matching import match", "isr_jax.pipeline")
-    assert stage_violations("from .matching import match", "isr_jax.geometry")
+    assert not rooms_above(fine, "isr_jax.alignment.solve")
+    assert not rooms_above("from .matching import match", "isr_jax.pipeline")
+    assert rooms_above("from ..matching import match", "isr_jax.geometry.boxes")
+    assert rooms_above("from ..runtime import stage", "isr_jax.geometry.boxes")
 
 
 def test_every_stage_has_a_version_and_public_names():
