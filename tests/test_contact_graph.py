@@ -177,6 +177,42 @@ def test_a_chair_whose_legs_were_not_seen_stands_on_the_floor():
     assert graph.refined_box.size[1, 2] == pytest.approx(0.95, abs=1e-5)  # top fixed
 
 
+def tilted(entity: Entity, slope: float) -> Entity:
+    """With its surface and planes[0] sheared about the middle of planes[0]: dz = slope dx."""
+    planes, corners = entity.planes, np.array(entity.planes.corners)
+    middle = corners[0].mean(0)
+    corners[0, :, 2] += slope * (corners[0, :, 0] - middle[0])
+    normal, offset = np.array(planes.normal), np.array(planes.offset)
+    normal[0] = np.array([-slope, 0, 1], np.float32) / np.sqrt(1 + slope**2)
+    offset[0] = -normal[0] @ middle
+    turned = dataclasses.replace(planes, normal=normal, offset=offset, corners=corners)
+    vertices = np.array(entity.mesh.vertices)
+    vertices[:, 2] += slope * (vertices[:, 0] - middle[0])
+    mesh = dataclasses.replace(entity.mesh, vertices=vertices)
+    return dataclasses.replace(entity, planes=turned, mesh=mesh)
+
+
+@pytest.mark.parametrize(
+    ("slope", "layout", "rise_m"), [(0.1, True, 0.0), (0.3, True, 0.15), (0.1, False, 0.05)]
+)
+def test_a_thing_is_carried_where_its_support_is_written(slope, layout, rise_m):
+    """A floor that leans a little is written level; one that leans more, or a desk, as it is."""
+    desk = thing(2, "desk", (0, 0, 0.35), (2.0, 2.0, 0.7))
+    carrier = tilted(floor_entity(1) if layout else desk, slope)
+    top = 0.0 if layout else 0.7
+    cup = thing(3, "cup", (0.5, 0, top + rise_m + 0.05), (0.08, 0.08, 0.1))
+    graph = only(scene_of(carrier, cup))
+    assert graph.parent[1] == 0
+    assert graph.support_height_m[1] == pytest.approx(top + rise_m, abs=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_carried_stands_at_its_support_height(seed):
+    graph = only(random_scene(seed))
+    bottom = graph.refined_box.center[:, 2] - graph.refined_box.size[:, 2] / 2
+    np.testing.assert_allclose(bottom, graph.support_height_m, atol=1e-6)
+
+
 def test_a_table_top_alone_still_stands_on_the_floor_and_carries():
     top = thing(2, "table", (0, 0, 0.72), (1.2, 0.8, 0.05))
     cup = thing(3, "cup", (0.2, 0.1, 0.795), (0.08, 0.08, 0.1))

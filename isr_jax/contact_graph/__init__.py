@@ -25,5 +25,5 @@ __all__ = [
     "vertex_contact",
 ]
 
-VERSION: int = 2
+VERSION: int = 3
 STAGE = Stage("contact_graph", VERSION, ContactGraph, ("contact_graph", "support"))

@@ -35,11 +35,12 @@ def build_contact_graphs(
     parent, plane, score = _choose_parents(flat, triples, scored, admissible)
     if settings.inside_furniture:
         parent = put_inside(flat, parent)
-    refined = refine_boxes(flat, parent, plane)
+    height = support_heights(flat.items, parent, plane, flat.box)
+    refined = refine_boxes(flat, np.flatnonzero((parent >= 0) & (plane >= 0)), height)
     pairs, depth = close_pairs(flat, refined, settings.attach_distance_m)
     attached = attachments(flat, triples, scored, parent, (pairs, depth), settings)
     return [
-        _graph_of(flat, scene, (parent, plane, score), refined, attached, (pairs, depth))
+        _graph_of(flat, scene, (parent, plane, score, height), refined, attached, (pairs, depth))
         for scene in range(len(scenes))
     ]
 
@@ -109,48 +110,48 @@ def _admissible(
 
 
 def refine_boxes(
-    flat: FlatEntities, parent: Int[np.ndarray, " n"], plane: Int[np.ndarray, " n"]
+    flat: FlatEntities, carried: Int[np.ndarray, " carried"], height_m: Float[np.ndarray, " n"]
 ) -> Box:
-    """Boxes with their bottoms on the supporting planes, tops fixed (the boxes of mAP_re).
+    """Boxes with their bottoms at the heights that carry them, tops fixed (the boxes of mAP_re).
 
     Planes do not move, so no order has to be kept. A thing so flat that its top is not above
     the plane (a book, by noise) keeps its height, or one voxel if it is more, and is set upon it.
+
+    Args:
+        flat: The entities.
+        carried: Positions of those with a supporting plane.
+        height_m: d^s of every entity.
     """
-    rows = np.flatnonzero((parent >= 0) & (plane >= 0))
-    box, planes = flat.box, flat.planes
-    normal = planes.normal[parent[rows], plane[rows]]
-    offset = planes.offset[parent[rows], plane[rows]]
-    center, size = np.array(box.center), np.array(box.size)
-    level = -(offset + np.sum(normal[:, :2] * center[rows, :2], -1)) / normal[:, 2]
-    top = center[rows, 2] + size[rows, 2] / 2
-    least = np.minimum(size[rows, 2], flat.voxel_m[rows])
-    size[rows, 2] = np.maximum(top - level, least)
-    center[rows, 2] = level + size[rows, 2] / 2
-    return Box(center, np.asarray(box.yaw), size)
+    center, size = np.array(flat.box.center), np.array(flat.box.size)
+    level = height_m[carried]
+    top = center[carried, 2] + size[carried, 2] / 2
+    least = np.minimum(size[carried, 2], flat.voxel_m[carried])
+    size[carried, 2] = np.maximum(top - level, least)
+    center[carried, 2] = level + size[carried, 2] / 2
+    return Box(center, np.asarray(flat.box.yaw), size)
 
 
 def _graph_of(
     flat: FlatEntities,
     scene: int,
-    chosen: tuple[np.ndarray, np.ndarray, np.ndarray],
+    chosen: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray],
     refined: Box,
     attached: list[str],
     close: tuple[np.ndarray, np.ndarray],
 ) -> ContactGraph:
     rows = flat.slice(scene)
     span, first = slice(rows.start, rows.stop), rows.start
-    parent, plane, score = (column[span] for column in chosen)
+    parent, plane, score, height = (column[span] for column in chosen)
     pairs, depth = close
     direct = (chosen[0][pairs[:, 0]] == pairs[:, 1]) | (chosen[0][pairs[:, 1]] == pairs[:, 0])
     ours = (flat.scene[pairs[:, 0]] == scene) & (depth > 0) & ~direct
-    own, box = np.where(parent >= 0, parent - first, parent).astype(np.int32), take(refined, span)
     return ContactGraph(
-        parent=own,
+        parent=np.where(parent >= 0, parent - first, parent).astype(np.int32),
         support_plane=plane,
         score=score,
         attachment=tuple(attached[span]),
-        refined_box=box,
-        support_height_m=support_heights(flat.items[span], own, plane, box),
+        refined_box=take(refined, span),
+        support_height_m=height,
         proximal=(pairs[ours] - first).astype(np.int32),
         proximal_depth_m=depth[ours],
     )

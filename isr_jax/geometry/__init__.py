@@ -22,7 +22,7 @@ from .convex import (
 )
 from .planes import plane_height_at, transform_planes
 from .rotations import CUBE_ROTATIONS, rotated_size
-from .support import support_heights
+from .support import LEVEL_COSINE, support_heights
 from .transforms import invert_T, make_T, rot_z, smallest_rotation, wrap_angle
 from .triangles import (
     point_triangle_distance_sq,
@@ -33,6 +33,7 @@ from .triangles import (
 
 __all__ = [
     "CUBE_ROTATIONS",
+    "LEVEL_COSINE",
     "ConvexPart",
     "box_at",
     "box_corners",

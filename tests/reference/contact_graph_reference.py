@@ -129,14 +129,21 @@ def _furniture_around(scene, child):
     return min(around)[1] if around and movable else UNSUPPORTED
 
 
+def carried_at(carrier, k, place) -> float:
+    """Layout within 11 degrees of level is taken as level, at the mean height of its corners."""
+    planes = carrier.planes
+    if carrier.is_layout and abs(float(planes.normal[k][2])) > 0.98:
+        return sum(float(corner[2]) for corner in planes.corners[k]) / 4
+    return height(planes.normal[k], planes.offset[k], place)
+
+
 def refined(scene, found):
     """Vertical centre and height of every box after refinement."""
     rows = []
     for entity, (parent, k, _) in zip(scene, found, strict=True):
         center, size = float(entity.box.center[2]), float(entity.box.size[2])
         if parent >= 0 and k >= 0:
-            planes = scene[parent].planes
-            level = height(planes.normal[k], planes.offset[k], np.asarray(entity.box.center, float))
+            level = carried_at(scene[parent], k, np.asarray(entity.box.center, float))
             size_new = max(center + size / 2 - level, min(size, scene.voxel_size_m))
             center, size = level + size_new / 2, size_new
         rows.append((center, size))
