@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import tyro
 
-from .fusion import fusion
+from .mapping import mapping
 from .render import render
 
 app = tyro.extras.SubcommandApp()
-app.command(fusion)
+app.command(mapping)
 app.command(render)
 
 if __name__ == "__main__":

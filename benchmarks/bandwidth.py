@@ -13,7 +13,7 @@ _BYTES = 1 << 28
 
 
 def copy_bytes_per_s(repeats: int = 15) -> float:
-    """Bytes read and written a second by a kernel that updates an array in place; the best run."""
+    """Bytes read and written per second by a kernel that updates an array in place; best run."""
     touch = functools.partial(jax.jit, donate_argnums=0)(lambda x: x + 1)
     values = jax.block_until_ready(touch(jnp.zeros(_BYTES // 4, jnp.int32)))
     best = float("inf")

@@ -1,4 +1,4 @@
-"""The frames that benchmarks fuse: a furnished room, filmed once and read back into memory."""
+"""The frames that benchmarks map: a furnished room, filmed once and read back into memory."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from isr_jax.segmentation import Segmenter, open_segmenter, segment_frame
 from isr_jax.synthetic import make_room, render_sequence
 from isr_jax.types import Frame, FrameSegments, RgbdSequence
 
-FusedFrames = list[tuple[Frame, FrameSegments]]
+SegmentedFrames = list[tuple[Frame, FrameSegments]]
 """Frames with their segments: what a mapper takes."""
 
 
@@ -29,7 +29,7 @@ class Filmed:
 
     sequence: RgbdSequence
     segmenter: Segmenter
-    frames: FusedFrames
+    frames: SegmentedFrames
 
 
 @contextmanager
@@ -53,22 +53,22 @@ def read_film(folder: Path, frames: int) -> Filmed:
     sequence, settings = open_sequence(folder), SegmentationSettings()
     segmenter = open_segmenter("simulated:perfect", folder)
     read = [sequence[i] for i in range(min(frames, len(sequence)))]
-    fused = [(frame, segment_frame(frame, segmenter(frame), settings)) for frame in read]
-    return Filmed(sequence, segmenter, fused)
+    segmented = [(frame, segment_frame(frame, segmenter(frame), settings)) for frame in read]
+    return Filmed(sequence, segmenter, segmented)
 
 
-def integrated(mapper: PanopticMapper, frames: FusedFrames) -> VoxelPool:
-    """Fuse frames, labels and all; the voxels, perhaps still being computed.
+def integrated(mapper: PanopticMapper, frames: SegmentedFrames) -> VoxelPool:
+    """Integrate frames, labels and all; the voxels, perhaps still being computed.
 
-    Those of the last step: asking for `PanopticMapper.pool` would fuse what waits for its step.
+    Those of the last step: `PanopticMapper.pool` would integrate what waits for its step first.
     """
     for frame, segments in frames:
         mapper.integrate(frame, segments)
-    return mapper.fusion.pool
+    return mapper.integrator.pool
 
 
-def without_segments(frames: FusedFrames) -> FusedFrames:
-    """The same with nothing to label: what is left to fuse is geometry and colour."""
+def without_segments(frames: SegmentedFrames) -> SegmentedFrames:
+    """The same with nothing to label: what is left to integrate is geometry and colour."""
     none = np.zeros(1, np.int32)
     return [(f, FrameSegments(np.zeros_like(s.segment), none, none)) for f, s in frames]
 

@@ -1,4 +1,4 @@
-"""Frames a second of the whole live loop, and where the time of a frame goes."""
+"""Frames per second of the whole live loop, and where the time of a frame goes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ FRAMES_PER_S, SEGMENTATION_MS = 20.0, 15.0
 _PASSES = 3
 _DECODE, _FOUND, _SEGMENTS = "decode colour and depth", "masks", "depth segmentation"
 _MASKS, _OUTLIERS = "masks and segments", "outliers"
-_VOXELS, _LABELS = "voxel fusion", "labels"
+_VOXELS, _LABELS = "voxels", "labels"
 _MODELS = ("yolox_nano_coco80.onnx", "deeplabv3_mnv2_ade20k32_logits.onnx")
 
 
@@ -56,13 +56,13 @@ def live_figures(
     *,
     promised: float | None = FRAMES_PER_S,
 ) -> list[Figure]:
-    """Each part alone, then the loop in one thread and as `fusing.fuse` overlaps it.
+    """Each part alone, then the loop in one thread and as `segmented_frames` overlaps it.
 
     Args:
         sequence: Read from disk.
         segmenter: Its masks.
         count: Frames of it.
-        promised: Frames a second.
+        promised: Frames per second.
     """
     settings = with_overrides(preset("default"), ["mapping.voxel_size_m=0.02"])
     _timed_parts(sequence, segmenter, count, settings)  # compiles
@@ -87,7 +87,7 @@ def _part_figures(watch: Stopwatch, *, core: bool) -> list[Figure]:
     ms = {name: watch.ms(name, core=core) for name in watch.wall_s}
     for part, below in ((_OUTLIERS, _MASKS), (_LABELS, _VOXELS)):
         ms[part] = watch.extra_ms(part, below, core=core)
-    unit = "core ms a frame" if core else "ms a frame"
+    unit = "core ms per frame" if core else "ms per frame"
     bound = {} if core else {_SEGMENTS: SEGMENTATION_MS}
     return [Figure(name, value, unit, "lower", bound.get(name)) for name, value in ms.items()]
 
@@ -107,9 +107,9 @@ def _timed_parts(
         given = (frame, depth, mask, panoptic.class_id)
         watch.time(_MASKS, label_segments, *given, plain)
         segments = watch.time(_OUTLIERS, label_segments, *given, masks)
-        fused = [(frame, segments)]
-        watch.time(_VOXELS, integrated, bare, without_segments(fused))
-        watch.time(_LABELS, integrated, mapper, fused)
+        segmented = [(frame, segments)]
+        watch.time(_VOXELS, integrated, bare, without_segments(segmented))
+        watch.time(_LABELS, integrated, mapper, segmented)
     return watch
 
 
@@ -126,7 +126,7 @@ def _rate(
     sequence: RgbdSequence,
     settings: Settings,
 ) -> float:
-    """Frames a second from the first frame asked for to the last one fused."""
+    """Frames per second from the first frame asked for to the last one integrated."""
     mapper = PanopticMapper(sequence.camera, settings.mapping)
     count, start = 0, time.perf_counter()
     for item in frames:

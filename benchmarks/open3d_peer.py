@@ -9,14 +9,14 @@ import numpy as np
 from isr_jax.types import Camera, Frame
 
 BLOCK_SIDES = (8, 16)
-"""Voxels a side of its blocks: its default is 16, and 8 is faster at small voxels."""
+"""Side of its blocks, in voxels: its default is 16, and 8 is faster at small voxels."""
 HOW_TO_GET = (
     "Open3D is not installed: ours alone. For the peers: pip install open3d scikit-image "
     "(and apt-get install libusb-1.0-0, which Open3D loads)"
 )
 _START_BLOCKS = 1 << 15
 """Room for the film at 1 cm, so that it need not grow; ours starts with as many there."""
-_BYTES_A_VOXEL = 8
+_BYTES_PER_VOXEL = 8
 """Distance and weight, float32."""
 
 
@@ -26,7 +26,7 @@ def is_installed(package: str = "open3d") -> bool:
 
 
 class Open3dMap:
-    """Fuses geometry alone, no colour, with the same voxel, truncation and depth range as ours."""
+    """Integrates geometry alone, no colour; voxel, truncation and depth range are ours."""
 
     def __init__(
         self, camera: Camera, side: int, voxel_m: float, truncation_voxels: float, far_m: float
@@ -43,7 +43,7 @@ class Open3dMap:
         )
 
     def prepared(self, frame: Frame):
-        """Depth image and extrinsics as Open3D takes them; not part of the time a frame."""
+        """Depth image and extrinsics as Open3D takes them; not part of the time per frame."""
         depth = self._core.Tensor(np.ascontiguousarray(frame.depth_m, np.float32))
         T_camera_world = np.linalg.inv(frame.T_world_camera.astype(np.float64))
         return self._o3d.t.geometry.Image(depth), self._core.Tensor(T_camera_world)
@@ -63,4 +63,4 @@ class Open3dMap:
     @property
     def nbytes(self) -> int:
         """Of the voxels in use."""
-        return self._grid.hashmap().size() * self.side**3 * _BYTES_A_VOXEL
+        return self._grid.hashmap().size() * self.side**3 * _BYTES_PER_VOXEL

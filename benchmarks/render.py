@@ -25,7 +25,7 @@ from isr_jax.synthetic.film.views import Views
 from .figures import Figure, seconds_each, show
 
 FRAMES_PER_S = 5.0
-"""The bound: frames of 640 x 480 a second on two cores, noise and files included."""
+"""The bound: frames of 640 x 480 per second on two cores, noise and files included."""
 _CAMERA = default_camera(640, 480)
 
 
@@ -34,7 +34,7 @@ def render(frames: int = 60, repeats: int = 9, seed: int = 7) -> None:
 
     Steps are timed alone, one after the other in one thread (the shading kernel uses as many as it
     likes); the whole is `render_sequence`, where threads make and write the images of one frame
-    while the rays of the next are cast, without what it does once a room. The peer is trimesh's
+    while the rays of the next are cast, without what it does once per room. The peer is trimesh's
     interface to the same Embree: the same rays, first hits only.
 
     Args:
@@ -48,10 +48,10 @@ def render(frames: int = 60, repeats: int = 9, seed: int = 7) -> None:
     rate, core_s = _whole(room, frames)
     peer, ours = steps["peer: trimesh"][1], steps["cast"][1]
     figures = [
-        *(Figure(n, 1000 * wall, "ms a frame", "lower") for n, (wall, _) in steps.items()),
-        *(Figure(n, 1000 * core, "core ms a frame", "lower") for n, (_, core) in steps.items()),
+        *(Figure(n, 1000 * wall, "ms per frame", "lower") for n, (wall, _) in steps.items()),
+        *(Figure(n, 1000 * core, "core ms per frame", "lower") for n, (_, core) in steps.items()),
         Figure("whole film", rate, "frames/s", "higher", FRAMES_PER_S),
-        Figure("whole film", 1000 * core_s, "core ms a frame", "lower"),
+        Figure("whole film", 1000 * core_s, "core ms per frame", "lower"),
         Figure("cast: trimesh / ours", peer / ours, "x of core time", "higher"),
     ]
     things = f"{len(room.items)} items, {frames} frames of 640 x 480"
@@ -89,7 +89,7 @@ def _peer(film: Film, eyes: np.ndarray, look: Look):
 
 
 def _whole(room: Room, frames: int) -> tuple[float, float]:
-    """Frames a second, and seconds of any core a frame, between the first and the last."""
+    """Frames per second, and seconds of any core per frame, between the first and the last."""
     walls: list[float] = []
     cores: list[float] = []
 

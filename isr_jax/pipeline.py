@@ -27,7 +27,7 @@ from .cad import default_library, open_library
 from .cad.collision import with_hulls
 from .config import Settings, preset
 from .library import CadLibrary
-from .map_runs.frames import fuse
+from .map_runs.frames import integrate_sequence
 from .runtime.reporter import LOGGER, Reporter, logged
 from .runtime.run_folder import RunFolder
 from .runtime.stage_runner import STAGES, StageRunner
@@ -81,7 +81,9 @@ def map_sequence(
     """Integrate all frames into one panoptic map (Sec. IV); the runner keeps it."""
 
     def integrate(sequences: list, segmenters: list, segmentation_version: str, *_) -> list:
-        return [fuse(*of_one, settings, runner) for of_one in zip(sequences, segmenters)]
+        return [
+            integrate_sequence(*of_one, settings, runner) for of_one in zip(sequences, segmenters)
+        ]
 
     (mapped,) = runner.run(
         settings, mapping.STAGE, integrate, [sequence], [segmenter], str(segmentation.VERSION)
@@ -201,8 +203,8 @@ def run(
 ) -> RunResult:
     """The main job: a sequence on disk becomes a folder with a scene that stands in MuJoCo.
 
-    Everything that can be wrong with the input is checked before the first frame is fused. What
-    is finished is kept: a second run reuses it, a killed one resumes.
+    Everything that can be wrong with the input is checked before the first frame is integrated.
+    What is finished is kept: a second run reuses it, a killed one resumes.
 
     Args:
         sequence_dir: A folder in a layout that `open_sequence` knows.

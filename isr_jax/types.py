@@ -170,7 +170,7 @@ class PanopticSurface:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class MappingResult:
-    """A fused sequence: its surface, and which frames went in."""
+    """The map of a sequence: its surface, and which frames went in."""
 
     surface: PanopticSurface
     frames_used: int

@@ -25,7 +25,7 @@ def film(count=10, seed=0, noise_m=0.002, radius=1.6):
     return [render(SOLIDS, T, index=i, noise_m=noise_m, seed=seed) for i, T in enumerate(poses)]
 
 
-def fused(frames, settings=SETTINGS):
+def map_of(frames, settings=SETTINGS):
     """The map of some frames."""
     mapper = PanopticMapper(CAMERA, settings)
     for frame, segments in frames:

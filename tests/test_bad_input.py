@@ -41,11 +41,11 @@ def sequence(film, tmp_path) -> Path:  # noqa: F811
 
 
 def refused(sequence: Path, out: Path, kind: type[IsrError], **options) -> str:
-    """The message of a run that must stop before it fuses anything."""
+    """The message of a run that must stop before it integrates anything."""
     recorder = Recorder()
     with pytest.raises(kind) as caught:
         run(sequence, out, reporter=recorder, **options)
-    assert not recorder.frames, "it went on to fuse frames"
+    assert not recorder.frames, "it went on to integrate frames"
     assert caught.value.hint, "the message shows no way out"
     return str(caught.value)
 

@@ -109,25 +109,25 @@ def assert_same_voxels(there, here):
     assert np.mean((there[3] != here[3])[labelled]) < 5 * OTHER_PIXEL
 
 
-def test_fusion(gpu):
+def test_integration(gpu):
     """Distances, weights, labels and free space; with several frames a step too."""
     frames, points = small_film(1.6), np.random.default_rng(7).uniform(-1.5, 1.5, (5000, 3))
 
-    def fused():
+    def both_ways():
         mapper = mapped(frames)
         several = mapped(frames, frames_per_step=3)
         for one, other in zip(voxels(mapper), voxels(several), strict=True):
             np.testing.assert_array_equal(one, other)
         return mapper.blocks.used, voxels(mapper), mapper.observed(points)
 
-    (used, here, known), (used_there, there, known_there) = on_both(gpu, fused)
+    (used, here, known), (used_there, there, known_there) = on_both(gpu, both_ways)
     assert used_there == used
     assert_same_voxels(there, here)
     assert np.mean(known != known_there) < OTHER_PIXEL
 
 
 def test_a_batch_of_maps(gpu):
-    """Maps that fuse in one call are the maps by themselves, there as here."""
+    """Maps that grow in one call are the maps by themselves, there as here."""
     films = [small_film(radius) for radius in (1.4, 1.6, 1.8)]
     with jax.default_device(gpu):
         alone = [mapped(film) for film in films]
@@ -140,7 +140,7 @@ def test_a_batch_of_maps(gpu):
                 np.testing.assert_array_equal(a, b)
 
 
-def test_a_saved_map_goes_on_and_is_fused_again(gpu, tmp_path):
+def test_a_saved_map_goes_on_and_is_integrated_again(gpu, tmp_path):
     frames = small_film(1.6)
     with jax.default_device(gpu):
         whole = mapped(frames, keep_frames=True)
@@ -148,7 +148,7 @@ def test_a_saved_map_goes_on_and_is_fused_again(gpu, tmp_path):
         resumed = PanopticMapper.load(tmp_path / "map.npz")
         for frame, segments in frames[2:]:
             resumed.integrate(frame, segments)
-        again = resumed.refuse(np.stack([frame.T_world_camera for frame, _ in frames]))
+        again = resumed.reintegrate(np.stack([frame.T_world_camera for frame, _ in frames]))
         for other in (resumed, again):
             for a, b in zip(voxels(whole), voxels(other), strict=True):
                 np.testing.assert_array_equal(a, b)

@@ -14,13 +14,19 @@ import pytest
 import trimesh
 
 from isr_jax import cli
-from isr_jax.classes import class_named, classes
+from isr_jax.classes import class_named, classes, number_by_class
 from isr_jax.config import preset, with_overrides
+from isr_jax.datasets import open_sequence
 from isr_jax.errors import FrameError, MapError, SequenceError
 from isr_jax.map_runs import live
 from isr_jax.map_runs.live import LiveMap
 from isr_jax.map_runs.make_map import make_map
 from isr_jax.map_runs.map_files import UNLABELLED, map_instances, write_map
+from isr_jax.mapping import MapBatch, PanopticMapper
+from isr_jax.pipeline import map_sequence
+from isr_jax.runtime.stage_runner import StageRunner
+from isr_jax.runtime.store import StageStore
+from isr_jax.segmentation import open_segmenter
 from isr_jax.types import Camera, Mesh, PanopticFrame, PanopticSurface
 
 from .conftest import REPOSITORY
@@ -33,6 +39,9 @@ SOLIDS = [
     Solid("box", (0, 0, 0.37), (0.4, 0.3, 0.37), yaw=0.35, class_id=TABLE),
     Solid("ball", (0.1, 0.05, 0.86), 0.12, class_id=BOWL, color=(20, 40, 220)),
 ]
+
+
+PERFECT = "simulated:perfect"
 
 
 def small():
@@ -190,7 +199,7 @@ def test_instances_and_the_rest_add_up_to_the_scene(written):
     assert high[1] - low[1] == pytest.approx(np.ptp(surface.mesh.vertices[:, 2]), abs=1e-5)
 
 
-def test_a_mesh_an_instance_named_by_class(written):
+def test_one_mesh_per_instance_named_by_class(written):
     folder, _, instances = written
     assert {"floor_1", "table_1", "bowl_1"} <= {i.name for i in instances}
     for one in instances:
@@ -222,19 +231,38 @@ def test_files_of_instances_that_are_gone_go(written, tmp_path):
     assert (tmp_path / "instances" / "notes.txt").exists()
 
 
-def test_names_count_a_class_by_area_and_each_face_has_one_owner():
+def surface_of(vertices, faces, instance, class_name):
+    """All instances of one class, normals up."""
+    vertices = np.array(vertices, np.float32)
+    normals = np.tile(np.float32([0, 0, 1]), (len(vertices), 1))
+    mesh = Mesh(vertices, np.array(faces, np.int32), None, normals)
+    ids = np.unique(instance).astype(np.int32)
+    class_ids = np.full(len(ids), class_named(class_name).id, np.int32)
+    return PanopticSurface(mesh, np.array(instance, np.int32), ids, class_ids, 0.02)
+
+
+def test_each_face_has_one_owner():
     """Two chairs, 1 and 2 faces, that share an edge; a face belongs to most of its corners."""
-    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]], np.float32)
-    faces = np.array([[0, 1, 2], [1, 3, 2], [1, 4, 3]], np.int32)
-    chair = class_named("chair").id
-    surface = PanopticSurface(
-        Mesh(vertices, faces), np.array([7, 5, 7, 5, 5], np.int32), np.array([5, 7], np.int32),
-        np.array([chair, chair], np.int32), 0.02,
-    )  # fmt: skip
+    vertices = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
+    faces = [[0, 1, 2], [1, 3, 2], [1, 4, 3]]
+    surface = surface_of(vertices, faces, [7, 5, 7, 5, 5], "chair")
     first, second = map_instances(surface)
     assert (first.name, first.id, len(first.mesh.faces)) == ("chair_1", 5, 2)
     assert (second.name, second.id, len(second.mesh.faces)) == ("chair_2", 7, 1)
     assert first.area_m2 == pytest.approx(1.0) and second.area_m2 == pytest.approx(0.5)
+
+
+def test_the_first_of_a_class_has_the_largest_box_as_among_entities():
+    """A wide flat chair has more area than a steep one, whose box is larger."""
+    flat = [[0, 0, 0], [2, 0, 0], [0, 2, 0]]
+    steep = [[5, 0, 0], [6, 0, 1], [5, 1, 1]]
+    surface = surface_of(flat + steep, [[0, 1, 2], [3, 4, 5]], [3] * 3 + [4] * 3, "chair")
+    first, second = map_instances(surface)
+    assert [(one.name, one.id) for one in (first, second)] == [("chair_1", 4), ("chair_2", 3)]
+    assert first.area_m2 < second.area_m2
+    assert number_by_class(
+        [("table", 0.2, 1), ("chair", 0.1, 9), ("table", 0.3, 2), ("chair", 0.1, 4)]
+    ) == [(3, "chair_1"), (1, "chair_2"), (2, "table_1"), (0, "table_2")]
 
 
 def test_an_empty_map_is_written_too(segmenter, tmp_path):
@@ -272,15 +300,30 @@ def test_isr_map_writes_a_map_that_goes_on(film, tmp_path, monkeypatch, capsys):
     assert whole == both
 
 
-def test_what_was_fused_before_an_error_is_kept(film, tmp_path):
+def test_what_was_integrated_before_an_error_is_kept(film, tmp_path):
+    recorder = Recorder(die_after=6)
     with pytest.raises(KeyboardInterrupt):
-        make_map(
-            film, tmp_path, segmenter="simulated:perfect", settings=coarse(),
-            reporter=Recorder(die_after=6),
-        )  # fmt: skip
+        make_map(film, tmp_path, segmenter=PERFECT, settings=coarse(), reporter=recorder)
     kept = LiveMap.load(tmp_path / "map" / "map.npz", lambda _: None)
     assert kept.frames == 6
     assert len(trimesh.load(tmp_path / "map" / "panoptic.ply").faces)
+
+
+def test_a_checkpoint_of_a_run_goes_on_as_a_map(film, tmp_path):
+    """`isr run` and `isr map` save a map in one format, with the world in which it lies."""
+    sequence, settings = open_sequence(film), coarse()
+    masks = open_segmenter(PERFECT, film)
+    store, recorder = StageStore(tmp_path / "stages"), Recorder(die_after=11)
+    with pytest.raises(KeyboardInterrupt):
+        map_sequence(sequence, masks, settings, StageRunner(store, recorder))
+    (saved,) = (tmp_path / "stages").glob("mapping.checkpoint-*.npz")
+    made = make_map(
+        film, tmp_path, segmenter=PERFECT, settings=settings, start=10, continue_from=saved
+    )
+    whole = map_sequence(sequence, masks, settings, StageRunner())
+    assert made.live.frames == whole.frames_used
+    assert np.array_equal(made.live.mesh().vertices, whole.surface.mesh.vertices)
+    assert np.array_equal(made.live.surface().instance, whole.surface.instance)
 
 
 def test_a_map_that_cannot_go_on_is_refused(film, grown, tmp_path):
@@ -288,10 +331,9 @@ def test_a_map_that_cannot_go_on_is_refused(film, grown, tmp_path):
         options = {"segmenter": "simulated:perfect", "settings": coarse()}
         return make_map(film, tmp_path / "out", continue_from=path, **options)
 
-    with pytest.raises(MapError, match=r"instances\.json"):
+    with pytest.raises(MapError, match=r"map\.npz cannot be read as a map"):
         go_on(tmp_path / "map.npz")
     grown.save(tmp_path / "map.npz")
-    write_map(grown.surface(), tmp_path, T_world_dataset=np.eye(4))
     with pytest.raises(MapError, match="another camera"):
         go_on(tmp_path / "map.npz")
     with pytest.raises(SequenceError, match="none from 99 on"):
@@ -299,7 +341,29 @@ def test_a_map_that_cannot_go_on_is_refused(film, grown, tmp_path):
     assert not (tmp_path / "o" / "map").exists()  # nor is a map that lies there written over
 
 
+PAGE = REPOSITORY / "docs" / "panoptic_map.md"
+
+
+def test_the_example_of_a_batch_in_the_documentation_runs(rendered, tmp_path, monkeypatch):
+    """Two films in one batch; each map is as by itself."""
+    (code,) = re.findall(
+        r"```python\n(from isr_jax\.mapping import .*?)```", PAGE.read_text(), re.S
+    )
+    monkeypatch.chdir(tmp_path)
+    films = [rendered[:3], rendered[3:6]]
+    given = {"camera": CAMERA, "settings": small(), "films": films}
+    exec(code, given)
+    for film_, saved in zip(films, ("room_1.npz", "room_2.npz"), strict=True):
+        alone = PanopticMapper(CAMERA, small().mapping)
+        for frame, segments in film_:
+            alone.integrate(frame, segments)
+        both = PanopticMapper.load(tmp_path / saved).surface(), alone.surface()
+        assert np.array_equal(both[0].mesh.vertices, both[1].mesh.vertices)
+        assert np.array_equal(both[0].instance, both[1].instance)
+    assert given["MapBatch"] is MapBatch
+
+
 def test_the_command_is_in_the_documentation():
-    text = (REPOSITORY / "docs" / "panoptic_map.md").read_text("utf-8")
+    text = PAGE.read_text("utf-8")
     assert "isr map" in text and "LiveMap" in text
     assert Camera.__name__ in text

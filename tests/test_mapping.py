@@ -1,4 +1,4 @@
-"""Voxel fusion and the surface: parity, analytic rooms, order, growth, checkpoints."""
+"""The voxel kernel and the surface: parity, analytic rooms, order, growth, checkpoints."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from isr_jax.classes import class_named
 from isr_jax.config import MappingSettings
 from isr_jax.errors import FrameError, MapError
 from isr_jax.mapping import PanopticMapper, label_slots
-from isr_jax.mapping.fusion_step import Fusion
+from isr_jax.mapping.integrator import Integrator
 from isr_jax.mapping.pool import (
     BLOCK_SIDE,
     LABEL_BITS,
@@ -24,7 +24,7 @@ from isr_jax.mapping.pool import (
 from isr_jax.mapping.state import MapState, ReadyFrame
 from isr_jax.types import Camera, FrameSegments
 
-from .reference.mapping_reference import CAMERA, Solid, count_slots, fuse_voxel, orbit, render
+from .reference.mapping_reference import CAMERA, Solid, count_slots, integrate_voxel, orbit, render
 
 FLOOR, TABLE, BOWL = (class_named(n).id for n in ("floor", "table", "bowl"))
 SOLIDS = [
@@ -52,10 +52,10 @@ def frames():
 
 @pytest.fixture(scope="module")
 def mapped(frames):
-    return fused(frames)
+    return map_of(frames)
 
 
-def fused(frames, settings=SETTINGS):
+def map_of(frames, settings=SETTINGS):
     mapper = PanopticMapper(CAMERA, settings)
     for frame, segments in frames:
         mapper.integrate(frame, segments)
@@ -77,14 +77,14 @@ def distance_mm(vertices):
     return 1e3 * np.min([s.distance(vertices.astype(float)) for s in SOLIDS], 0)
 
 
-def test_fusion_equals_the_slow_twin(frames):
+def test_integration_equals_the_slow_twin(frames):
     """Every voxel of every block; one frame three times, so that all blocks are always active."""
     first, _ = frames[0]
     mapper = PanopticMapper(CAMERA, dataclasses.replace(SETTINGS, carve=False))
     for _ in range(3):
         mapper.integrate(*frames[0])
     centers = voxel_centers(mapper).reshape(-1, 3)
-    sdf, weight = fuse_voxel(centers, [first] * 3, SETTINGS)
+    sdf, weight = integrate_voxel(centers, [first] * 3, SETTINGS)
     used = mapper.blocks.used
     got_sdf = np.asarray(mapper.pool.sdf_m)[:used].ravel()
     got_weight = np.asarray(mapper.pool.weight)[:used].ravel()
@@ -155,17 +155,17 @@ def test_order_of_frames_does_not_matter_to_geometry(frames):
     mapper = PanopticMapper(CAMERA, settings)
     for frame, segments in frames:  # so that both maps own all blocks from the start
         mapper.integrate(frame, segments)
-    forward = fused_again(mapper, frames)
-    backward = fused_again(mapper, frames[::-1])
+    forward = integrated_again(mapper, frames)
+    backward = integrated_again(mapper, frames[::-1])
     assert np.allclose(forward[1], backward[1], rtol=1e-5)
     assert np.abs(forward[0] - backward[0]).max() < 1e-5
 
 
-def fused_again(mapper, frames):
-    """Distances and weights of the frames fused into all blocks of a map, labels aside."""
+def integrated_again(mapper, frames):
+    """Distances and weights of the frames integrated into all blocks of a map, labels aside."""
     used = mapper.blocks.used
     pool = empty_pool(mapper.blocks.capacity, SETTINGS.label_slots)
-    fusion = Fusion(CAMERA, mapper.scale, pool)
+    integrator = Integrator(CAMERA, mapper.scale, pool)
     rows = np.arange(used, dtype=np.int32)
     state = MapState(SETTINGS)
     state.blocks = mapper.blocks
@@ -173,12 +173,12 @@ def fused_again(mapper, frames):
         posed = mapper.posed(frame, segments)
         T = np.linalg.inv(frame.T_world_camera.astype(float))
         tables = segments.class_id, segments.instance
-        fusion.fuse([state], [[ReadyFrame(posed.packed, T, rows, slice(0, 0), *tables)]])
-    return np.asarray(fusion.pool.sdf_m)[:used], np.asarray(fusion.pool.weight)[:used]
+        integrator.integrate([state], [[ReadyFrame(posed.packed, T, rows, slice(0, 0), *tables)]])
+    return np.asarray(integrator.pool.sdf_m)[:used], np.asarray(integrator.pool.weight)[:used]
 
 
 def test_two_runs_give_the_same_bits(frames, mapped):
-    again = fused(frames)
+    again = map_of(frames)
     assert mapped.blocks.used == again.blocks.used
     for name in ("sdf_m", "weight", "color"):
         assert np.array_equal(getattr(mapped.pool, name), getattr(again.pool, name))
@@ -186,14 +186,14 @@ def test_two_runs_give_the_same_bits(frames, mapped):
 
 
 def test_the_size_of_a_chunk_changes_nothing(frames, mapped, monkeypatch):
-    monkeypatch.setattr("isr_jax.mapping.fuse._CHUNK_CPU", 96)
-    other = fused(frames)
+    monkeypatch.setattr("isr_jax.mapping.voxel_kernel._CHUNK_CPU", 96)
+    other = map_of(frames)
     for name in ("sdf_m", "weight", "color"):
         assert np.array_equal(getattr(mapped.pool, name), getattr(other.pool, name))
 
 
 def test_pool_grows_without_changing_the_map(frames, mapped):
-    small = fused(frames, dataclasses.replace(SETTINGS, block_capacity=64))
+    small = map_of(frames, dataclasses.replace(SETTINGS, block_capacity=64))
     assert small.blocks.capacity > 64
     assert np.array_equal(volume(small, small.pool.sdf_m), volume(mapped, mapped.pool.sdf_m))
 
@@ -215,7 +215,7 @@ def test_a_frame_of_another_size_is_refused(frames):
 
 
 def test_saved_and_continued_equals_uninterrupted(frames, mapped, tmp_path):
-    half = fused(frames[:5])
+    half = map_of(frames[:5])
     half.save(tmp_path / "map.npz")
     resumed = PanopticMapper.load(tmp_path / "map.npz")
     for frame, segments in frames[5:]:
@@ -227,7 +227,7 @@ def test_saved_and_continued_equals_uninterrupted(frames, mapped, tmp_path):
     assert np.array_equal(a.mesh.colors, b.mesh.colors)
     assert np.array_equal(a.instance, b.instance)
     assert resumed.labels.counts == mapped.labels.counts
-    assert resumed.labels.instances.apart == mapped.labels.instances.apart
+    assert resumed.labels.instances.frames_apart == mapped.labels.instances.frames_apart
     assert all(np.array_equal(x, y) for x, y in zip(resumed.pool.labels, mapped.pool.labels))
 
 
@@ -256,7 +256,7 @@ def test_what_is_seen_through_is_freed():
     after = [render(SOLIDS[:1], T, index=i) for i, T in enumerate(poses)] * 8
     left = {}
     for carve in (True, False):
-        mapper = fused(before + after, dataclasses.replace(SETTINGS, carve=carve))
+        mapper = map_of(before + after, dataclasses.replace(SETTINGS, carve=carve))
         vertices = mapper.surface().mesh.vertices
         left[carve] = np.count_nonzero(vertices[:, 2] > 0.2)
     assert left[True] < 0.02 * left[False]
@@ -268,7 +268,7 @@ def test_an_empty_map_has_an_empty_surface():
 
 
 def test_a_frame_without_returns_changes_nothing(frames):
-    mapper = fused(frames[:2])
+    mapper = map_of(frames[:2])
     before = np.asarray(mapper.pool.sdf_m).copy()
     frame, segments = frames[2]
     nothing = FrameSegments(np.zeros_like(segments.segment), segments.class_id, segments.instance)
@@ -277,7 +277,7 @@ def test_a_frame_without_returns_changes_nothing(frames):
 
 
 def test_label_slots_follow_the_stated_policy():
-    """Against the twin in words, one voxel a column, random labels from few to many."""
+    """Against the twin in words, one voxel per column, random labels from few to many."""
     rng = np.random.default_rng(5)
     voxels, rounds = 64, 60
     kinds = np.repeat([2, 3, 5, 9], voxels // 4)
@@ -294,14 +294,14 @@ def test_label_slots_follow_the_stated_policy():
         assert set(zip(counts[row].tolist(), got)) == set(expected)
 
 
-def test_relabel_adds_up_slots_that_become_one():
+def test_renumbering_adds_up_slots_that_become_one():
     def slot(label, count):
         return jnp.full((64, 512), (count << LABEL_BITS) | label, jnp.uint32)
 
     table = np.array([0, 1, 1, 3], np.uint32)
     rows, first = np.arange(64, dtype=np.int32), np.zeros(64, np.int32)
     labels = slot(3, 9), slot(1, 6), slot(2, 5)
-    out = label_slots.relabel(labels, table[None], rows, first, np.int32(64))
+    out = label_slots.renumber_slots(labels, table[None], rows, first, np.int32(64))
     assert int(out[0][0, 0]) == (11 << LABEL_BITS) | 1
     assert int(out[1][0, 0]) == (9 << LABEL_BITS) | 3
     assert int(out[2][0, 0]) & ~LABEL_MASK == 0
@@ -318,7 +318,9 @@ def test_slots_of_forgotten_labels_are_empty():
     assert np.asarray(found).tolist() == [False, True, True, False]
     table = np.array([[0, 0, 1, 0]], np.uint32)
     rows = np.arange(64, dtype=np.int32)
-    first, second = label_slots.relabel(slots, table, rows, np.zeros(64, np.int32), np.int32(64))
-    renamed = np.uint32(3 << LABEL_BITS | 1)
-    assert np.asarray(first)[0, :4].tolist() == [0, renamed, renamed, 0]
+    first, second = label_slots.renumber_slots(
+        slots, table, rows, np.zeros(64, np.int32), np.int32(64)
+    )
+    renumbered = np.uint32(3 << LABEL_BITS | 1)
+    assert np.asarray(first)[0, :4].tolist() == [0, renumbered, renumbered, 0]
     assert not np.asarray(second).any()

@@ -33,7 +33,7 @@ def forged(item, **fields):
     return copy
 
 
-def fused(views, settings=SETTINGS, camera=CAMERA):
+def map_of(views, settings=SETTINGS, camera=CAMERA):
     mapper = PanopticMapper(camera, settings)
     for frame, segments in views:
         mapper.integrate(frame, segments)
@@ -140,16 +140,16 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_a_frame_that_cannot_be_fused_is_refused_and_the_map_goes_on(case):
+def test_a_frame_that_cannot_be_used_is_refused_and_the_map_goes_on(case):
     (frame, segments), says = REFUSED[case]
-    mapper = fused(VIEWS[:2])
+    mapper = map_of(VIEWS[:2])
     before = mapper.blocks.used, mapper.frames
     with pytest.raises(FrameError, match=says) as refused:
         mapper.integrate(frame, segments)
     assert "frame 000000" in refused.value.problem and refused.value.hint
     assert (mapper.blocks.used, mapper.frames) == before
     mapper.integrate(*VIEWS[2])
-    assert same_surface(mapper, fused(VIEWS[:3]))
+    assert same_surface(mapper, map_of(VIEWS[:3]))
 
 
 NO_RETURN = {
@@ -167,28 +167,28 @@ NO_RETURN = {
 @pytest.mark.parametrize("case", NO_RETURN)
 def test_depth_that_is_no_return_is_as_zero(case):
     zero = with_depth(lambda d: put(d, 0.0, FEW))
-    assert same_surface(fused([with_depth(NO_RETURN[case])]), fused([zero]))
+    assert same_surface(map_of([with_depth(NO_RETURN[case])]), map_of([zero]))
 
 
 def test_a_frame_that_is_mostly_saturated_is_one_with_few_returns():
-    few = fused([with_depth(lambda d: put(d, 65.535, MOST))])
-    assert same_surface(few, fused([with_depth(lambda d: put(d, 0.0, MOST))]))
+    few = map_of([with_depth(lambda d: put(d, 65.535, MOST))])
+    assert same_surface(few, map_of([with_depth(lambda d: put(d, 0.0, MOST))]))
     assert len(few.surface().mesh.faces) > 100
 
 
 def test_a_frame_without_returns_is_counted_and_changes_nothing():
-    mapper = fused([*VIEWS[:2], with_depth(lambda d: 0 * d)])
+    mapper = map_of([*VIEWS[:2], with_depth(lambda d: 0 * d)])
     assert mapper.frames == 3
-    assert same_surface(mapper, fused(VIEWS[:2]))
+    assert same_surface(mapper, map_of(VIEWS[:2]))
 
 
 def test_a_map_of_frames_without_returns_only_is_empty(tmp_path):
-    mapper = fused([with_depth(lambda d: 0 * d)] * 2)
+    mapper = map_of([with_depth(lambda d: 0 * d)] * 2)
     assert mapper.blocks.used == 0 and len(mapper.surface().mesh.faces) == 0
     mapper.save(tmp_path / "map.npz")
     loaded = PanopticMapper.load(tmp_path / "map.npz")
     loaded.integrate(*VIEWS[0])
-    assert same_surface(loaded, fused([with_depth(lambda d: 0 * d)] * 2 + VIEWS[:1]))
+    assert same_surface(loaded, map_of([with_depth(lambda d: 0 * d)] * 2 + VIEWS[:1]))
 
 
 def test_dynamic_classes_are_no_return_whatever_row_zero_says():
@@ -197,24 +197,24 @@ def test_dynamic_classes_are_no_return_whatever_row_zero_says():
     hidden = np.where(segments.segment == 2, np.float32(0), frame.depth_m)
     bare = forged(segments, segment=np.where(segments.segment == 2, 0, segments.segment))
     assert same_surface(
-        fused([(frame, with_person)]), fused([(forged(frame, depth_m=hidden), bare)])
+        map_of([(frame, with_person)]), map_of([(forged(frame, depth_m=hidden), bare)])
     )
 
 
 def test_the_frame_stays_the_callers():
-    """Read-only images fuse, and are not written to."""
+    """Read-only images are integrated, and are not written to."""
     frame, segments = VIEWS[0]
     depth_m = put(frame.depth_m.copy(), np.nan, FEW)
     for image in (depth_m, frame.color, segments.segment):
         image.setflags(write=False)
-    mapper = fused([(forged(frame, depth_m=depth_m), segments)])
+    mapper = map_of([(forged(frame, depth_m=depth_m), segments)])
     assert mapper.frames == 1 and np.isnan(depth_m[FEW]).all()
 
 
 @pytest.mark.parametrize("depth_m", [0.02, 0.051, 0.06])
 def test_a_camera_inside_a_wall_adds_nothing_but_what_it_sees(depth_m):
     """Depth below 5 cm is nearer than any voxel is updated; from there on it is a surface."""
-    mapper = fused(VIEWS[:2])
+    mapper = map_of(VIEWS[:2])
     faces = len(mapper.surface().mesh.faces)
     mapper.integrate(*with_depth(lambda d: np.full_like(d, depth_m)))
     surface = mapper.surface()
@@ -225,7 +225,7 @@ def test_a_camera_inside_a_wall_adds_nothing_but_what_it_sees(depth_m):
 
 
 def test_one_frame_makes_a_surface():
-    surface = fused(VIEWS[:1]).surface()
+    surface = map_of(VIEWS[:1]).surface()
     error = np.min([s.distance(surface.mesh.vertices.astype(float)) for s in SOLIDS], 0)
     assert len(surface.mesh.faces) > 500 and np.median(error) < 0.005
 
@@ -239,27 +239,27 @@ def teleported(metres):
 
 
 def test_a_camera_that_teleports_is_fused_where_it_says_it_is():
-    mapper = fused([*VIEWS[:2], teleported(30.0), VIEWS[2]])
+    mapper = map_of([*VIEWS[:2], teleported(30.0), VIEWS[2]])
     vertices = mapper.surface().mesh.vertices
     far = vertices[:, 0] > 20
     assert np.all(vertices[far, :2] > 20) and 500 < far.sum() < len(vertices) / 2
-    here = fused(VIEWS[:3]).surface().mesh.vertices
+    here = map_of(VIEWS[:3]).surface().mesh.vertices
     assert np.array_equal(np.sort(vertices[~far], 0), np.sort(here, 0))
 
 
 def test_a_map_that_would_span_a_city_is_refused_and_kept(tmp_path):
-    mapper = fused(VIEWS[:2])
+    mapper = map_of(VIEWS[:2])
     frame, segments = teleported(400.0)
     T = frame.T_world_camera.copy()
     T[2, 3] = 300.0
     with pytest.raises(MapError, match="the map spans") as refused:
         mapper.integrate(forged(frame, T_world_camera=T), segments)
     assert "voxel_size_m" in refused.value.hint
-    assert_goes_on(mapper, fused(VIEWS[:2]), tmp_path)
+    assert_goes_on(mapper, map_of(VIEWS[:2]), tmp_path)
 
 
 def test_a_map_that_is_full_is_kept_saved_and_asked_for_its_surface(tmp_path):
-    whole = fused(VIEWS)
+    whole = map_of(VIEWS)
     settings = dataclasses.replace(SETTINGS, block_capacity=64, max_blocks=whole.blocks.used - 50)
     mapper = PanopticMapper(CAMERA, settings)
     with pytest.raises(MapError, match=r"max_blocks = \d+") as refused:
@@ -268,7 +268,7 @@ def test_a_map_that_is_full_is_kept_saved_and_asked_for_its_surface(tmp_path):
     fits = mapper.frames
     assert 0 < fits < len(VIEWS)
     assert "raise MappingSettings.max_blocks" in refused.value.hint
-    assert_goes_on(mapper, fused(VIEWS[:fits]), tmp_path)
+    assert_goes_on(mapper, map_of(VIEWS[:fits]), tmp_path)
 
 
 def assert_goes_on(mapper, expected, tmp_path):
@@ -306,6 +306,6 @@ def test_the_farthest_room_that_is_taken_is_as_good_as_one_at_the_origin():
     medians = []
     for away in (0.0, 498.0):
         pose = look_at((away + 1, -away, 1.2), (away, 1 - away, 0.3))
-        vertices = fused([render(SOLIDS[:1], pose)]).surface().mesh.vertices
+        vertices = map_of([render(SOLIDS[:1], pose)]).surface().mesh.vertices
         medians.append(np.median(SOLIDS[0].distance(vertices.astype(float))))
     assert abs(medians[1] - medians[0]) < 1e-4

@@ -9,7 +9,7 @@ import pytest
 
 from isr_jax.mapping import PanopticMapper, free_space
 
-from .mapping_films import SETTINGS, SOLIDS, film, fused
+from .mapping_films import SETTINGS, SOLIDS, film, map_of
 from .reference.mapping_reference import CAMERA, Solid, look_at, render
 
 FINE = dataclasses.replace(SETTINGS, voxel_size_m=0.015, block_capacity=8192)
@@ -18,7 +18,7 @@ BLOCK_M = 8 * FINE.voxel_size_m
 
 @pytest.fixture(scope="module")
 def mapped():
-    return fused(film(12, noise_m=0.0), FINE)
+    return map_of(film(12, noise_m=0.0), FINE)
 
 
 def seen_in(points, frame):

@@ -1,4 +1,4 @@
-"""Whatever a frame holds, the map fuses it or says why not, and stays a map that answers."""
+"""Whatever a frame holds, the map integrates it or says why not, and stays a map that answers."""
 
 from __future__ import annotations
 
@@ -107,7 +107,9 @@ def unchecked(kind, **fields):
 @pytest.mark.parametrize("chosen", EXTREME, ids=["usual", "thin", "full"])
 @settings(max_examples=25, deadline=None)
 @given(views=st.lists(VIEWS, min_size=1, max_size=4))
-def test_a_frame_is_fused_or_refused_and_the_map_still_answers(tmp_path_factory, chosen, views):
+def test_a_frame_is_integrated_or_refused_and_the_map_still_answers(
+    tmp_path_factory, chosen, views
+):
     mapper, used = PanopticMapper(CAMERA, chosen), 0
     for view in views:
         try:

@@ -35,7 +35,7 @@ splits = st.integers(1, COUNT - 1)
 orders = st.permutations(range(COUNT))
 
 
-def fused(views, mapper=None):
+def map_of(views, mapper=None):
     mapper = mapper or PanopticMapper(CAMERA, SETTINGS)
     for frame, segments in views:
         mapper.integrate(frame, segments)
@@ -44,7 +44,7 @@ def fused(views, mapper=None):
 
 @pytest.fixture(scope="module")
 def surface() -> PanopticSurface:
-    return fused(VIEWS).surface()
+    return map_of(VIEWS).surface()
 
 
 def assert_same(one: PanopticSurface, other: PanopticSurface) -> None:
@@ -69,7 +69,7 @@ def class_of_vertices(surface: PanopticSurface) -> np.ndarray:
 
 
 def test_two_runs_give_the_same_bits(surface):
-    assert_same(fused(VIEWS).surface(), surface)
+    assert_same(map_of(VIEWS).surface(), surface)
 
 
 @few
@@ -81,7 +81,7 @@ def test_the_order_of_frames_does_not_matter_to_the_surface(first, second):
     before, in one order.
     """
     one, other = (
-        fused([VIEWS[i] for i in order], fused(VIEWS)).surface() for order in (first, second)
+        map_of([VIEWS[i] for i in order], map_of(VIEWS)).surface() for order in (first, second)
     )
     assert_near(one, other.mesh.vertices)
     found, expected = class_of_vertices(one), class_of_vertices(other)
@@ -93,19 +93,19 @@ def test_the_order_of_frames_does_not_matter_to_the_surface(first, second):
 @given(splits)
 def test_saved_and_continued_is_as_uninterrupted(surface, tmp_path_factory, split):
     path = tmp_path_factory.mktemp("map") / "map.npz"
-    half = fused(VIEWS[:split])
+    half = map_of(VIEWS[:split])
     half.save(path)
     loaded = PanopticMapper.load(path)
     assert loaded.frames == split and loaded.settings == SETTINGS
     assert_same(loaded.surface(), half.surface())
-    assert_same(fused(VIEWS[split:], loaded).surface(), surface)
-    assert_same(fused(VIEWS[split:], half).surface(), surface)
+    assert_same(map_of(VIEWS[split:], loaded).surface(), surface)
+    assert_same(map_of(VIEWS[split:], half).surface(), surface)
 
 
 def test_a_map_saved_again_and_again_stays_the_same(surface, tmp_path):
     mapper = PanopticMapper(CAMERA, SETTINGS)
     for view in VIEWS:
-        fused([view], mapper).save(tmp_path / "map.npz")
+        map_of([view], mapper).save(tmp_path / "map.npz")
         mapper = PanopticMapper.load(tmp_path / "map.npz")
     mapper.save(tmp_path / "again.npz")
     assert_same(mapper.surface(), surface)
@@ -120,9 +120,9 @@ def test_asking_for_the_surface_changes_nothing(surface, asked):
     """A map that is watched live ends as one that is not."""
     mapper = PanopticMapper(CAMERA, SETTINGS)
     for i, view in enumerate(VIEWS):
-        fused([view], mapper)
+        map_of([view], mapper)
         if i in asked:
-            assert_same(mapper.surface(), fused(VIEWS[: i + 1]).surface())
+            assert_same(mapper.surface(), map_of(VIEWS[: i + 1]).surface())
     assert_same(mapper.surface(), surface)
 
 
@@ -147,8 +147,8 @@ def test_the_caller_may_use_its_buffers_again(surface):
     assert_same(mapper.surface(), surface)
 
 
-def test_a_frame_fused_twice_is_the_same_surface():
-    once, twice = fused(VIEWS[:1]).surface(), fused(VIEWS[:1] * 2).surface()
+def test_a_frame_integrated_twice_is_the_same_surface():
+    once, twice = map_of(VIEWS[:1]).surface(), map_of(VIEWS[:1] * 2).surface()
     assert_near(twice, once.mesh.vertices)
 
 
@@ -164,7 +164,7 @@ def test_the_map_moves_with_the_poses(surface, voxels, quarters):
         pose = (T @ frame.T_world_camera).astype(np.float32)
         moved.append((dataclasses.replace(frame, T_world_camera=pose), segments))
     # float32 projects a voxel onto the other pixel now and then, and blocks begin elsewhere
-    assert_near(fused(moved).surface(), surface.mesh.vertices @ T[:3, :3].T + T[:3, 3], 0.97)
+    assert_near(map_of(moved).surface(), surface.mesh.vertices @ T[:3, :3].T + T[:3, 3], 0.97)
 
 
 @few
@@ -177,7 +177,7 @@ def test_the_numbers_of_segments_do_not_matter(surface, random):
         position = np.argsort(rows).astype(np.int32)
         tables = segments.class_id[rows], segments.instance[rows]
         renamed.append((frame, FrameSegments(position[segments.segment], *tables)))
-    found = fused(renamed).surface()
+    found = map_of(renamed).surface()
     assert np.array_equal(found.mesh.vertices, surface.mesh.vertices)
     assert np.array_equal(class_of_vertices(found), class_of_vertices(surface))
     pairs = set(zip(found.instance.tolist(), surface.instance.tolist(), strict=True))

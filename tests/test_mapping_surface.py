@@ -41,10 +41,10 @@ def frames():
 
 @pytest.fixture(scope="module")
 def mapped(frames):
-    return fused(frames)
+    return map_of(frames)
 
 
-def fused(frames, settings=SETTINGS):
+def map_of(frames, settings=SETTINGS):
     mapper = PanopticMapper(CAMERA, settings)
     for frame, segments in frames:
         mapper.integrate(frame, segments)
@@ -87,9 +87,11 @@ def observed_voxels(mapper) -> dict:
 
 
 def test_mesh_equals_the_slow_twin(frames):
-    near = [(dataclasses.replace(f, depth_m=np.where(f.depth_m < 2, f.depth_m, 0)), s) for f, s in
-            frames[:2]]  # fmt: skip
-    mapper = fused(near, dataclasses.replace(SETTINGS, voxel_size_m=0.06))
+    near = [
+        (dataclasses.replace(f, depth_m=np.where(f.depth_m < 2, f.depth_m, 0)), s)
+        for f, s in frames[:2]
+    ]
+    mapper = map_of(near, dataclasses.replace(SETTINGS, voxel_size_m=0.06))
     mesh = whole(mapper).mesh
     jump_m = SETTINGS.mesh_max_jump_voxels * 0.06
     vertex_of, quads = surface_nets(observed_voxels(mapper), jump_m, 0.06)
@@ -110,7 +112,7 @@ def test_mesh_equals_the_slow_twin(frames):
 
 def test_labels_equal_the_slow_twin(frames):
     """Where table and bowl are one segment in some frames, the corners of a cell disagree."""
-    mapper = fused([(f, _shifted(s) if i % 3 == 0 else s) for i, (f, s) in enumerate(frames)])
+    mapper = map_of([(f, _shifted(s) if i % 3 == 0 else s) for i, (f, s) in enumerate(frames)])
     vertex_of, _ = surface_nets(observed_voxels(mapper), 6 * VOXEL_M, VOXEL_M)
     labels, counts = pool.leading_label(mapper.pool, np.arange(mapper.blocks.used))
     found = zip(np.asarray(labels).ravel().tolist(), np.asarray(counts).ravel().tolist())
@@ -148,7 +150,7 @@ def test_every_vertex_is_in_a_face(mapped):
 
 def test_unobserved_borders_stay_open(frames):
     """From one side a ball is a cap and a table two sides: nothing closes what was not seen."""
-    mesh = whole(fused(frames[:1])).mesh
+    mesh = whole(map_of(frames[:1])).mesh
     center = mesh.vertices[mesh.faces].mean(1)
     error = distance_m(center) / VOXEL_M
     assert np.percentile(error, 99) < 0.5
@@ -180,7 +182,7 @@ def test_asked_after_every_frame_equals_asked_once(frames):
 
 
 def test_only_what_changed_is_meshed_again(frames, monkeypatch):
-    mapper, extractor = fused(frames[:-1]), SurfaceExtractor(SETTINGS)
+    mapper, extractor = map_of(frames[:-1]), SurfaceExtractor(SETTINGS)
     updated(extractor, mapper)
     seen = []
     read = surfaces.read_cells
@@ -218,9 +220,9 @@ def test_new_decisions_change_instances_and_nothing_else(mapped):
 
 def test_other_numbers_of_labels_read_labels_only(frames, monkeypatch):
     """As when merged labels are written into the voxels: the surface is where it was."""
-    mapper, extractor = fused(frames[:4]), SurfaceExtractor(SETTINGS)
+    mapper, extractor = map_of(frames[:4]), SurfaceExtractor(SETTINGS)
     first = updated(extractor, mapper)
-    other = fused([(f, _shifted(s)) for f, s in frames[:4]])
+    other = map_of([(f, _shifted(s)) for f, s in frames[:4]])
     assert np.array_equal(other.blocks.coords, mapper.blocks.coords)
     monkeypatch.setattr(cells, "find_cells", _forbidden)
     mapper.blocks.generation += 1
@@ -244,7 +246,7 @@ def _forbidden(*_):
 def test_another_map_is_meshed_from_the_start(frames, mapped):
     extractor = SurfaceExtractor(SETTINGS)
     updated(extractor, mapped)
-    fresh = fused(frames[4:6])
+    fresh = map_of(frames[4:6])
     assert_equal(updated(extractor, fresh), whole(fresh))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import isr_jax
 
-_SHARED = ("geometry", "classes.py", "classes.csv", "types.py")
+_SHARED = ("geometry", "classes", "classes/classes.csv", "types.py")
 SEGMENTATION = ("datasets", "segmentation", *_SHARED)
 WHOLE = (*SEGMENTATION, "mapping", "entities", "contact_graph", "evaluation", "scene_file.py")
 

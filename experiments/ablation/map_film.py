@@ -13,6 +13,7 @@ from typing import Any
 from isr_jax import contact_graph, datasets, entities, mapping, segmentation
 from isr_jax.config import Settings
 from isr_jax.errors import FrameError, SequenceError
+from isr_jax.map_runs.frames import frame_indices
 from isr_jax.types import ContactGraph, Entities, FrameSegments, PanopticSurface, RgbdSequence
 
 from .code_digest import SEGMENTATION, code_digest
@@ -72,15 +73,14 @@ def digest(parts: Any) -> str:
 
 
 def map_film(film: MaskedFilm, settings: Settings) -> Mapped:
-    """Segment (or take the kept segments), fuse, and find entities and what carries them.
+    """Segment (or take the kept segments), integrate, and find entities and what carries them.
 
     Raises:
         IsrError: a frame cannot be read, or the map cannot go on.
     """
     clock = _Clock()
     sequence = datasets.open_sequence(film.folder, settings.input)
-    indices = list(range(0, len(sequence), settings.input.stride))
-    indices = indices[: settings.input.max_frames or None]
+    indices = frame_indices(sequence, settings)
     segments = _segments(film, sequence, indices, settings)
     clock.lap("segmentation")
     mapper = mapping.PanopticMapper(sequence.camera, settings.mapping)
@@ -92,7 +92,7 @@ def map_film(film: MaskedFilm, settings: Settings) -> Mapped:
     clock.lap("mapping")
     found = entities.extract_entities(surface, sequence.T_world_dataset, settings.entities)
     clock.lap("entities")
-    graph = contact_graph.build_contact_graphs([found], settings.contact_graph)[0]
+    graph = contact_graph.build_contact_graphs([found], settings.contact_graph, settings.support)[0]
     clock.lap("contact_graph")
     return Mapped(surface, found, graph, clock.seconds)
 

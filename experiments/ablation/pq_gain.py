@@ -41,7 +41,7 @@ def gain_without(compared: Comparison, p: int) -> float:
 
 
 class _Counts:
-    """What the mean PQ is made of, an item a class."""
+    """What the mean PQ is made of, one item per class."""
 
     def __init__(self, compared: Comparison) -> None:
         quality = compared.quality

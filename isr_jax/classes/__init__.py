@@ -1,6 +1,7 @@
 """The one table of classes (``classes.csv``), and the label lists of foreign data sets."""
 
 from .label_lists import LABEL_SETS, Label, label_list
+from .numbering import number_by_class
 from .table import ClassInfo, class_named, classes, label_table
 
 __all__ = [
@@ -11,4 +12,5 @@ __all__ = [
     "classes",
     "label_list",
     "label_table",
+    "number_by_class",
 ]

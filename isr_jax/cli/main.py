@@ -132,13 +132,14 @@ def map_(
     ] = None,
     options: Options = SettingsOptions(),
 ) -> None:
-    """Fuse a posed RGB-D sequence into a panoptic map: meshes with classes and instances.
+    """Integrate a posed RGB-D sequence into a panoptic map: meshes with classes and instances.
 
     Example: isr map captures/kitchen --segmenter yolox.onnx+deeplab.onnx --out out/kitchen
 
-    Writes into OUT/map: panoptic.ply (colour, normal, instance and class a vertex), panoptic.glb (a
-    node an instance), instances/chair_1.ply and .glb and so on, instances.json (what each is), and
-    map.npz, to which `isr map MORE_FRAMES --continue-from out/kitchen/map/map.npz` adds frames.
+    Writes into OUT/map: panoptic.ply (colour, normal, instance and class of each vertex),
+    panoptic.glb (one node per instance), instances/chair_1.ply and .glb and so on, instances.json
+    (what each is), and map.npz, to which `isr map MORE_FRAMES --continue-from
+    out/kitchen/map/map.npz` adds frames.
 
     Args:
         sequence: Folder with the frames (7-Scenes, TUM RGB-D, SceneNN, ScanNet, or rgb/ depth/

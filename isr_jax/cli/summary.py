@@ -86,7 +86,7 @@ def _headline(result: RunResult) -> list[tuple[str, str]]:
 
 
 def _frames(used: int, skipped: tuple[str, ...]) -> str:
-    return f"{used} fused, {len(skipped)} skipped" + (" (see run.log)" if skipped else "")
+    return f"{used} integrated, {len(skipped)} skipped" + (" (see run.log)" if skipped else "")
 
 
 def support_levels(scene: SceneFile) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ..errors import FrameError
-from ..runtime.prefetch import map_ahead
+from ..runtime.prefetch import prefetch_results
 from ..types import Frame, RgbdSequence
 
 
@@ -27,4 +27,4 @@ def prefetch(
         except FrameError as error:
             return index, error
 
-    return map_ahead(read, indices, workers=workers, ahead=ahead, name="prefetch")
+    return prefetch_results(read, indices, workers=workers, ahead=ahead, name="prefetch")

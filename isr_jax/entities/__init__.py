@@ -3,6 +3,7 @@
 from ..runtime.stage import Stage
 from ..types import Entities
 from .extract import extract_entities, extract_scenes
+from .instances import thing_box
 from .rectangles import facing_direction, gravity_box
 
 VERSION: int = 4
@@ -15,4 +16,5 @@ __all__ = [
     "extract_scenes",
     "facing_direction",
     "gravity_box",
+    "thing_box",
 ]

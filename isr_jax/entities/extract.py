@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from ..classes import classes
+from ..classes import classes, number_by_class
 from ..config import EntitySettings
 from ..types import Entities, Entity, Mesh, PanopticSurface
 from .boards import find_boards
@@ -69,15 +69,9 @@ def _thing(one: Instance, surface: PanopticSurface, settings: EntitySettings) ->
 
 
 def _numbered(things: list[Entity]) -> list[Entity]:
-    """Named ``class_k``: k counts the things of a class by the volume of their box."""
-    ordered = sorted(things, key=lambda t: (t.class_name, -float(np.prod(t.box.size)), t.id))
-    counts: dict[str, int] = {}
-    named = []
-    for t in ordered:
-        counts[t.class_name] = k = counts.get(t.class_name, 0) + 1
-        name = f"{t.class_name}_{k}"
-        named.append(dataclasses.replace(t, name=name))
-    return named
+    """Named ``class_k`` by the volume of their box (`number_by_class`)."""
+    sizes = [(t.class_name, float(np.prod(t.box.size)), t.id) for t in things]
+    return [dataclasses.replace(things[i], name=name) for i, name in number_by_class(sizes)]
 
 
 def _layout_entities(surface: PanopticSurface, settings: EntitySettings) -> list[Entity]:

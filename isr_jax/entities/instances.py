@@ -54,9 +54,13 @@ def _instance(
     mesh = main_pieces(whole, settings.piece_link_m, settings.piece_min_ratio)
     if len(mesh.vertices) < settings.min_vertices:
         return None
-    voxel_m = surface.voxel_size_m
+    return Instance(ids[0], info, mesh, thing_box(mesh, surface.voxel_size_m, settings), ids[1:])
+
+
+def thing_box(mesh: Mesh, voxel_m: float, settings: EntitySettings) -> Box:
+    """Least gravity-aligned box around a mesh with normals, robust to strays; metres."""
     assert mesh.normals is not None
-    box = gravity_box(
+    return gravity_box(
         mesh.vertices,
         settings.box_trim,
         2 * voxel_m,
@@ -64,7 +68,6 @@ def _instance(
         facing=facing_direction(mesh.normals),
         weight=settings.box_normal_weight,
     )
-    return Instance(ids[0], info, mesh, box, ids[1:])
 
 
 def _joined(

@@ -1,21 +1,26 @@
-"""A sequence becomes one panoptic map: frames are read, segmented, fused; bad ones skipped.
+"""A sequence becomes one panoptic map: frames are read, segmented, integrated; bad ones skipped.
 
-While the mapper fuses a frame in the caller's thread, another thread finds the masks and segments
-of the next ones, and others decode those after it. Each frame's segments depend on that frame
-alone and the mapper takes them in order, so the map is bit for bit that of one thread.
+While the mapper integrates a frame in the caller's thread, another thread finds the masks and
+segments of the next ones, and others decode those after it. Each frame's segments depend on that
+frame alone and the mapper takes them in order, so the map is bit for bit that of one thread.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing
+from pathlib import Path
 from typing import Any
+
+import numpy as np
+from jaxtyping import Float
 
 from .. import datasets, mapping, segmentation
 from ..config import Settings
 from ..errors import FrameError, MapError, SegmenterError, SequenceError
-from ..runtime.prefetch import map_ahead
+from ..runtime.prefetch import prefetch_results
 from ..runtime.reporter import Reporter
 from ..runtime.stage_runner import StageRunner
 from ..types import Frame, FrameSegments, MappingResult, RgbdSequence
@@ -26,36 +31,107 @@ _AHEAD = 2
 """Frames segmented before the mapper asks for them."""
 
 
-def fuse(
+@dataclasses.dataclass(eq=False)
+class FramesDone:
+    """How far a run has come through its frames."""
+
+    count: int = 0
+    """Frames that are done, skipped ones included."""
+    skipped: list[str] = dataclasses.field(default_factory=list)
+    """What was wrong with each frame that was left out."""
+
+
+def integrate_sequence(
     sequence: RgbdSequence,
     segmenter: segmentation.Segmenter,
     settings: Settings,
     runner: StageRunner,
 ) -> MappingResult:
-    """Segment every frame and fuse it into one panoptic map; bad frames are skipped and counted."""
+    """Segment every frame and integrate it into one panoptic map; bad ones are skipped and counted.
+
+    The map is saved every ``mapping.checkpoint_every`` frames, and when it cannot go on; a run
+    that was broken off goes on from there.
+
+    Raises:
+        SegmenterError: no sampled frame has masks.
+        SequenceError: too many frames cannot be used.
+        MapError: the map cannot go on; the error names the file in which it is kept.
+    """
     indices = frame_indices(sequence, settings)
-    mapper, start, skipped = _resume(sequence, settings, runner)
-    if start == 0:
-        try_segmenter(sequence, segmenter, indices, settings)
-    done, every = start, settings.mapping.checkpoint_every
-    with closing(segmented_frames(sequence, indices[start:], segmenter, settings)) as ready:
-        fused = fuse_usable(
-            ready, mapper.integrate, skipped, len(indices), settings, runner.reporter
+    mapper, done = _resume(sequence, settings, runner)
+
+    def save() -> Path | None:
+        return runner.checkpoint("mapping", mapper.save, _state(done))
+
+    def after_frame() -> None:
+        every = settings.mapping.checkpoint_every
+        if every and done.count % every == 0 and done.count < len(indices):
+            save()
+
+    try:
+        integrate_frames(
+            mapper, sequence, indices, segmenter, settings, runner.reporter, done, after_frame
         )
-        try:
-            for done, _ in enumerate(fused, start + 1):
-                if every and done % every == 0 and done < len(indices):
-                    state = {"done": done, "skipped": skipped}
-                    runner.checkpoint("mapping", mapper.save, state)
-                runner.reporter.progress("mapping", done, len(indices))
-        except MapError as error:
-            state = {"done": done, "skipped": skipped}
-            raise _with_map_so_far(error, mapper, runner, state) from error
-    used = len(indices) - len(skipped)
-    return MappingResult(mapper.surface(), used, tuple(skipped))
+    except MapError as error:
+        path = save()
+        kept = f"; the map of {mapper.frames} frames is kept in {path}" if path else ""
+        raise MapError(error.problem, error.hint + kept) from error
+    used = len(indices) - len(done.skipped)
+    return MappingResult(mapper.surface(), used, tuple(done.skipped))
 
 
-def fuse_usable(
+def integrate_frames(
+    mapper: mapping.PanopticMapper,
+    sequence: RgbdSequence,
+    indices: list[int],
+    segmenter: segmentation.Segmenter,
+    settings: Settings,
+    reporter: Reporter,
+    done: FramesDone,
+    after_frame: Callable[[], None] = lambda: None,
+) -> None:
+    """Read frames, segment them and integrate them into a map, in order.
+
+    Poses are brought into the world of the map (`PanopticMapper.T_world_dataset`).
+
+    Args:
+        mapper: The map that grows.
+        sequence: Of the same camera.
+        indices: Frames of it, those that are done included.
+        segmenter: Finds the masks of a frame.
+        settings: Of the run: ``input`` and ``segmentation`` are used.
+        reporter: Is told of progress and of frames that are skipped.
+        done: Where the run stands; kept up to date after each frame.
+        after_frame: Called after each frame.
+
+    Raises:
+        SegmenterError: no sampled frame has masks; nothing was integrated.
+        SequenceError: too many frames cannot be used.
+        MapError: the map cannot go on; what was integrated is kept.
+    """
+    if not done.count:
+        try_segmenter(sequence, segmenter, indices, settings)
+    T_map_sequence = mapper.T_world_dataset @ np.linalg.inv(sequence.T_world_dataset)
+
+    def integrate(frame: Frame, segments: FrameSegments) -> None:
+        mapper.integrate(_moved(frame, T_map_sequence), segments)
+
+    rest, total = indices[done.count :], len(indices)
+    with closing(segmented_frames(sequence, rest, segmenter, settings)) as frames:
+        for _ in integrate_usable(frames, integrate, done.skipped, total, settings, reporter):
+            done.count += 1
+            after_frame()
+            reporter.progress("mapping", done.count, total)
+
+
+def _moved(frame: Frame, T: Float[np.ndarray, "4 4"]) -> Frame:
+    if np.allclose(T, np.eye(4), atol=1e-9):
+        return frame
+    pose = (T @ frame.T_world_camera.astype(np.float64)).astype(np.float32)
+    return dataclasses.replace(frame, T_world_camera=pose)
+
+
+def integrate_usable(
     frames: Iterable[tuple[Frame, FrameSegments] | FrameError],
     integrate: Callable[[Frame, FrameSegments], None],
     skipped: list[str],
@@ -63,7 +139,7 @@ def fuse_usable(
     settings: Settings,
     reporter: Reporter,
 ) -> Iterator[None]:
-    """Fuse frames as they come, and skip those that cannot be used; yields after each.
+    """Integrate frames as they come, and skip those that cannot be used; yields after each.
 
     Args:
         frames: Of `segmented_frames`.
@@ -87,7 +163,7 @@ def fuse_usable(
             _refuse_too_many(skipped, total, settings, error)
         else:
             if not frame[0].depth_m.any():
-                reporter.note(f"frame {frame[0].name} has no depth: nothing to fuse")
+                reporter.note(f"frame {frame[0].name} has no depth: nothing to integrate")
         yield
 
 
@@ -97,7 +173,11 @@ def try_segmenter(
     indices: list[int],
     settings: Settings,
 ) -> None:
-    """Stop before the first frame is fused where no sampled frame has masks."""
+    """Stop before the first frame is integrated where no sampled frame has masks.
+
+    Raises:
+        SegmenterError: none of them has.
+    """
     failed, good = None, (1 - settings.input.max_bad_fraction) * len(indices)
     for index in indices[:: max(1, int(good) // _TRIED_FRAMES)]:
         try:
@@ -126,7 +206,7 @@ def segmented_frames(
     """
     frames = (frame for _, frame in datasets.prefetch(sequence, indices))
     segment = functools.partial(_segmented, segmenter=segmenter, settings=settings)
-    return map_ahead(segment, frames, workers=1, ahead=_AHEAD, name="segment")
+    return prefetch_results(segment, frames, workers=1, ahead=_AHEAD, name="segment")
 
 
 def _segmented(
@@ -141,7 +221,11 @@ def _segmented(
 
 
 def frame_indices(sequence: RgbdSequence, settings: Settings, start: int = 0) -> list[int]:
-    """Frames that are read, from ``start`` on; raises `SequenceError` where there are none."""
+    """Frames that are read, from ``start`` on.
+
+    Raises:
+        SequenceError: there are none.
+    """
     indices = list(range(start, len(sequence), settings.input.stride))
     if start and not indices:
         raise SequenceError(
@@ -152,24 +236,22 @@ def frame_indices(sequence: RgbdSequence, settings: Settings, start: int = 0) ->
 
 def _resume(
     sequence: RgbdSequence, settings: Settings, runner: StageRunner
-) -> tuple[mapping.PanopticMapper, int, list[str]]:
-    """A fresh mapper, or the one that a killed run left behind."""
+) -> tuple[mapping.PanopticMapper, FramesDone]:
+    """An empty map, or the one that a killed run left behind."""
     found = runner.resume("mapping")
     if found is None:
-        return mapping.PanopticMapper(sequence.camera, settings.mapping), 0, []
+        T_world_dataset = np.asarray(sequence.T_world_dataset, np.float64)
+        mapper = mapping.PanopticMapper(sequence.camera, settings.mapping, T_world_dataset)
+        return mapper, FramesDone()
     path, state = found
     mapper = mapping.PanopticMapper.load(path)
     runner.reporter.note(f"mapping resumes after {state['done']} frames")
-    return mapper, state["done"], list(state["skipped"])
+    return mapper, FramesDone(state["done"], list(state["skipped"]))
 
 
-def _with_map_so_far(
-    error: MapError, mapper: mapping.PanopticMapper, runner: StageRunner, state: dict[str, Any]
-) -> MapError:
-    """The error, its map kept as a checkpoint that it names, if results are kept at all."""
-    path = runner.checkpoint("mapping", mapper.save, state)
-    kept = f"; the map of {mapper.frames} frames is kept in {path}" if path else ""
-    return MapError(error.problem, error.hint + kept)
+def _state(done: FramesDone) -> dict[str, Any]:
+    """What the runner keeps beside a saved map."""
+    return {"done": done.count, "skipped": done.skipped}
 
 
 def _refuse_too_many(skipped: list[str], total: int, settings: Settings, last: FrameError) -> None:

@@ -2,7 +2,7 @@
 
 For a camera of one's own, without a sequence on disk:
 
-    from isr_jax.live import LiveMap
+    from isr_jax import LiveMap
     from isr_jax.types import Camera, Frame
 
     camera = Camera(fx=525.0, fy=525.0, cx=319.5, cy=239.5, width=640, height=480)
@@ -45,8 +45,11 @@ class LiveMap:
         camera: Of every frame to come.
         segmenter: Finds the masks of a frame: a function, or what `open_segmenter` returns.
         settings: From `preset`; by default ``default``.
-        T_world_dataset: What the entities say of where the poses came from; by default the
-            identity, for poses that are the world's.
+        T_world_dataset: What the entities say of where the poses came from, saved with the map; by
+            default the identity, for poses that are the world's.
+
+    Raises:
+        MapError: the camera cannot be that of its images.
     """
 
     def __init__(
@@ -58,9 +61,8 @@ class LiveMap:
         T_world_dataset: Float[np.ndarray, "4 4"] | None = None,
     ) -> None:
         self.settings = settings or preset("default")
-        self.mapper = mapping.PanopticMapper(camera, self.settings.mapping)
+        self.mapper = mapping.PanopticMapper(camera, self.settings.mapping, T_world_dataset)
         self._segmenter = segmenter
-        self._T_world_dataset = np.eye(4) if T_world_dataset is None else T_world_dataset
         self._entities: Entities | None = None
         self._graph: ContactGraph | None = None
 
@@ -70,32 +72,31 @@ class LiveMap:
         path: str | Path,
         segmenter: MaskSource,
         settings: Settings | None = None,
-        *,
-        T_world_dataset: Float[np.ndarray, "4 4"] | None = None,
     ) -> LiveMap:
         """A saved map that goes on as if it had never stopped.
 
-        Its own camera and mapping settings hold; of ``settings`` the other stages' are used.
+        Its own camera, ``T_world_dataset`` and mapping settings hold; of ``settings`` the other
+        stages' are used.
 
         Raises:
-            MapError: the file is not a saved map.
+            MapError: the file is no saved map, or one of another release.
         """
         mapper = mapping.PanopticMapper.load(Path(path))
-        live = cls(mapper.camera, segmenter, settings, T_world_dataset=T_world_dataset)
+        live = cls(mapper.camera, segmenter, settings)
         live.mapper = mapper
         return live
 
     @property
     def frames(self) -> int:
-        """Frames fused so far."""
+        """Frames integrated so far."""
         return self.mapper.frames
 
     def integrate(self, frame: Frame) -> None:
-        """Find the segments of a frame and fuse it.
+        """Find the segments of a frame and integrate it.
 
         Raises:
             FrameError: this one frame cannot be used; the map is as before, the next may come.
-            MapError: the map cannot go on; what was fused is kept and can be saved.
+            MapError: the map cannot go on; what was integrated is kept and can be saved.
         """
         masks = self._segmenter(frame)
         segments = segmentation.segment_frame(frame, masks, self.settings.segmentation)
@@ -103,7 +104,7 @@ class LiveMap:
         self.mapper.integrate(frame, segments)
 
     def surface(self) -> PanopticSurface:
-        """The mesh as it is now, an instance a vertex, a class an instance."""
+        """The mesh as it is now, one instance per vertex, one class per instance."""
         return self.mapper.surface()
 
     def mesh(self) -> Mesh:
@@ -114,7 +115,7 @@ class LiveMap:
         """What is there now: layout and things, with boxes, planes and meshes."""
         if self._entities is None:
             self._entities = entities.extract_entities(
-                self.surface(), self._T_world_dataset, self.settings.entities
+                self.surface(), self.mapper.T_world_dataset, self.settings.entities
             )
         return self._entities
 
@@ -128,7 +129,11 @@ class LiveMap:
         return self._graph
 
     def save(self, path: str | Path) -> None:
-        """Write the map (npz); `load` continues it bit for bit."""
+        """Write the map (npz); `load` continues it bit for bit.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
         self.mapper.save(Path(path))
 
 

@@ -1,8 +1,8 @@
-"""The files of a panoptic map: one mesh of the scene, one an instance, and what each is called.
+"""The files of a panoptic map: one mesh of the scene, one per instance, and what each is called.
 
-panoptic.ply       the whole mesh: colour, normal, instance and class a vertex
-panoptic.glb       the same, a node an instance, named as its files
-instances/         chair_1.ply and chair_1.glb, and so on: k counts a class by area
+panoptic.ply       the whole mesh: colour, normal, instance and class of each vertex
+panoptic.glb       the same, one node per instance, named as its files
+instances/         chair_1.ply and chair_1.glb, and so on: chair_1 has the largest box of all chairs
 instances.json     names, classes, boxes and files of the instances
 """
 
@@ -17,11 +17,13 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..borders.ply import write_ply
-from ..classes import classes
+from ..classes import classes, number_by_class
+from ..config import EntitySettings
+from ..entities import thing_box
 from ..export.glb import GlbFile
 from ..export.glb_scene import T_GLTF_WORLD
 from ..robot_model.mesh_files import write_file
-from ..types import Mesh, PanopticSurface
+from ..types import Box, Mesh, PanopticSurface
 
 UNLABELLED = "unlabelled"
 """Node of the faces that belong to no instance."""
@@ -34,32 +36,37 @@ class MapInstance:
 
     id: int
     name: str
-    """``class_k``: k counts the instances of a class by area, largest first."""
+    """``class_k``, as entities are named: by the volume of the box, largest first."""
     class_id: int
     mesh: Mesh
+    box: Box
+    """Gravity-aligned, robust to strays."""
     area_m2: float
+    """Of the mesh."""
 
 
-def map_instances(surface: PanopticSurface) -> list[MapInstance]:
+def map_instances(
+    surface: PanopticSurface, settings: EntitySettings | None = None
+) -> list[MapInstance]:
     """The instances of a map by name. A face belongs to the instance of most of its corners.
 
     So the faces of all instances, and of none, add up to the surface: at the border between two
     there is neither gap nor overlap.
+
+    Args:
+        surface: Of the map, with normals.
+        settings: How boxes leave out strays.
     """
+    settings = settings or EntitySettings()
     owner = _face_instances(surface)
     found = []
     for id, class_id in zip(surface.instance_ids.tolist(), surface.class_ids.tolist()):
         mesh = _part(surface.mesh, owner == id)
         if len(mesh.faces):
-            found.append((class_id, mesh, _area_m2(mesh), id))
-    found.sort(key=lambda f: (classes()[f[0]].name, -f[2], f[3]))
-    counts: dict[str, int] = {}
-    instances = []
-    for class_id, mesh, area_m2, id in found:
-        kind = classes()[class_id].name
-        counts[kind] = counts.get(kind, 0) + 1
-        instances.append(MapInstance(id, f"{kind}_{counts[kind]}", class_id, mesh, area_m2))
-    return instances
+            box = thing_box(mesh, surface.voxel_size_m, settings)
+            found.append(MapInstance(id, "", class_id, mesh, box, _area_m2(mesh)))
+    sizes = [(classes()[f.class_id].name, float(np.prod(f.box.size)), f.id) for f in found]
+    return [dataclasses.replace(found[i], name=name) for i, name in number_by_class(sizes)]
 
 
 def _face_instances(surface: PanopticSurface) -> Int[np.ndarray, " faces"]:
@@ -85,6 +92,7 @@ def write_map(
     out_dir: Path,
     *,
     T_world_dataset: Float[np.ndarray, "4 4"],
+    settings: EntitySettings | None = None,
     about: dict[str, Any] | None = None,
 ) -> list[MapInstance]:
     """Write the files of a map; those of instances of an earlier map go.
@@ -93,6 +101,7 @@ def write_map(
         surface: Of the map.
         out_dir: Created.
         T_world_dataset: From the frame of the frames' poses to the world of the mesh.
+        settings: As for `map_instances`.
         about: More for instances.json.
 
     Returns:
@@ -101,7 +110,7 @@ def write_map(
     Raises:
         OutputError: the folder cannot be written.
     """
-    instances = map_instances(surface)
+    instances = map_instances(surface, settings)
     class_of = np.zeros(int(surface.instance_ids.max(initial=0)) + 1, np.int32)
     class_of[surface.instance_ids] = surface.class_ids
     extra = {"instance": surface.instance, "class": class_of[surface.instance]}
@@ -135,6 +144,7 @@ def _described(one: MapInstance) -> dict[str, Any]:
         "kind": classes()[one.class_id].kind,
         "vertices": len(one.mesh.vertices),
         "area_m2": round(one.area_m2, 4),
+        "box_size_m": np.asarray(one.box.size).round(4).tolist(),
         "low": low.round(4).tolist(),
         "high": high.round(4).tolist(),
         "ply": f"instances/{one.name}.ply",

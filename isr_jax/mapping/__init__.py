@@ -5,7 +5,7 @@ from ..types import MappingResult
 from .map_batch import MapBatch
 from .mapper import PanopticMapper
 
-VERSION: int = 2
+VERSION: int = 3
 STAGE = Stage("mapping", VERSION, MappingResult, ("mapping", "input", "segmentation"))
 
 __all__ = ["STAGE", "VERSION", "MapBatch", "PanopticMapper"]

@@ -1,6 +1,6 @@
 """Which block lies in which row of the pool, and which blocks were seen empty: grids on the host.
 
-An int32 a block of the scene's bounds is smaller and faster than any hash at room scale (a
+One int32 per block of the scene's bounds is smaller and faster than any hash at room scale (a
 6 x 5 x 2.6 m room at 2 cm is 22,000 blocks). A byte beside it counts the frames whose rays went
 through the whole block. The grids grow with the scene.
 """
@@ -53,7 +53,11 @@ class BlockIndex:
         return bool(np.all(low >= self.origin) and np.all(high < self.origin + self.extent))
 
     def cover(self, low: Int[np.ndarray, "3"], high: Int[np.ndarray, "3"]) -> None:
-        """Grow the grid to hold ``low`` to ``high``; by a share of it, so that it grows seldom."""
+        """Grow the grid to hold ``low`` to ``high``; by a share of it, so that it grows seldom.
+
+        Raises:
+            MapError: it would span more blocks than a room's; the grid is as it was.
+        """
         if self.covers(low, high):
             return
         if self.grid.size:
@@ -88,8 +92,8 @@ class BlockIndex:
             reserve: Called with the capacity that the pool must have.
 
         Raises:
-            MapError: with nothing changed, when they are more than ``max_blocks``, or by
-                ``reserve``.
+            MapError: they are more than ``max_blocks``, or ``reserve`` raised it; nothing has
+                changed.
         """
         x, y, z = (coords - self.origin).T
         new = coords[self.grid[x, y, z] < 0]

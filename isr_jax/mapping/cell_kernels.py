@@ -1,9 +1,9 @@
 """Kernels of surface extraction: which cells hold a vertex, and where, of what colour and label.
 
 A cell is the cube between 8 neighbouring voxel centres. It belongs to the block of its lowest
-corner and reads the first layers of the 7 upper neighbours: a halo of 9^3 voxels a block. Blocks
+corner and reads the first layers of the 7 upper neighbours: a halo of 9^3 voxels per block. Blocks
 go through in batches of one size, so that a kernel compiles about once, and lie along the last
-axis, since rows of 9 do not vectorise. Gathers stand between optimisation barriers: fused with the
+axis, since rows of 9 do not vectorise. Gathers stand between optimisation barriers: merged with the
 index computation or with the arithmetic that follows, XLA took three times as long.
 """
 
@@ -22,7 +22,7 @@ from . import pool as pools
 from .pool import BLOCK_SIDE, BLOCK_VOXELS, VoxelPool, unpack_color
 
 BATCH = 1024
-"""Blocks a call; their fields stay in the cache."""
+"""Blocks per call; their fields stay in the cache."""
 CORNERS = np.array([[i >> 2 & 1, i >> 1 & 1, i & 1] for i in range(8)], np.int32)
 """Corner offsets of a cell, x slowest; also the neighbour blocks that a halo touches."""
 _EDGES = [(i, i | bit, axis) for i in range(8) for axis, bit in enumerate((4, 2, 1)) if not i & bit]
@@ -55,7 +55,7 @@ def find_cells(
     min_weight: Float[Array, ""],
     max_jump_m: Float[Array, ""],
 ) -> tuple[UInt8[Array, "512 batch"], Float[Array, " voxels"], Int[Array, " halo"]]:
-    """Which corners of each cell are inside, a bit a corner; 0 where a cell holds no vertex.
+    """Which corners of each cell are inside, one bit per corner; 0 where a cell holds no vertex.
 
     Args:
         pool: Of the map.
@@ -67,23 +67,23 @@ def find_cells(
         max_jump_m: Least span of a cell that lies across a silhouette, not across a surface.
 
     Returns:
-        The cases, the distances of the blocks read, and the place of each halo voxel in those.
+        The cases, the distances of the blocks read, and which of their voxels each halo voxel is.
     """
     weight = pools.weight(pool, read)
     seen = (weight > 0) & (weight >= min_weight)
     sdf_m = jnp.where(seen, pools.sdf_m(pool, read), jnp.inf).reshape(-1)
-    sdf_m, places = lax.optimization_barrier((sdf_m, _halo_places(local)))
-    halo = lax.optimization_barrier(sdf_m[places]).reshape(_SIDE, _SIDE, _SIDE, -1)
+    sdf_m, halo_voxel = lax.optimization_barrier((sdf_m, _halo_voxels(local)))
+    halo = lax.optimization_barrier(sdf_m[halo_voxel]).reshape(_SIDE, _SIDE, _SIDE, -1)
     n = BLOCK_SIDE
     corners = [halo[x : x + n, y : y + n, z : z + n] for x, y, z in CORNERS]
     bits = [(c < 0).astype(jnp.uint8) << k for k, c in enumerate(corners)]
     case = functools.reduce(jnp.bitwise_or, bits)
     span = functools.reduce(jnp.maximum, corners) - functools.reduce(jnp.minimum, corners)
     case = jnp.where((span < max_jump_m) & (case != 255), case, jnp.uint8(0))
-    return case.reshape(BLOCK_VOXELS, -1), sdf_m, places
+    return case.reshape(BLOCK_VOXELS, -1), sdf_m, halo_voxel
 
 
-def _halo_places(local: Int[Array, "8 batch"]) -> Int[Array, " halo"]:
+def _halo_voxels(local: Int[Array, "8 batch"]) -> Int[Array, " halo"]:
     return (local[_HALO_SLOT] * BLOCK_VOXELS + _HALO_VOXEL[:, None]).reshape(-1)
 
 
@@ -92,7 +92,7 @@ def cell_vertices(
     pool: VoxelPool,
     read: Int[Array, " read"],
     sdf_m: Float[Array, " voxels"],
-    places: Int[Array, " halo"],
+    halo_voxel: Int[Array, " halo"],
     anchor: Int[Array, " cells"],
 ) -> tuple[
     Float[Array, "cells 3"],
@@ -106,13 +106,13 @@ def cell_vertices(
         pool: Of the map.
         read: As in `find_cells`.
         sdf_m: From `find_cells`.
-        places: From `find_cells`.
-        anchor: Lowest corner of each cell, in ``places``.
+        halo_voxel: From `find_cells`.
+        anchor: Lowest corner of each cell, in ``halo_voxel``.
 
     Returns:
         Vertex, unit normal, mean colour, and label (`Cells`).
     """
-    voxel = _corner_voxels(places, anchor)
+    voxel = _corner_voxels(halo_voxel, anchor)
     place, normal = _vertex(_gathered(sdf_m, voxel))
     color = _mean_color(_gathered(pools.color(pool, read), voxel))
     return jnp.stack(place, 1), jnp.stack(normal, 1), color, _label(pool, read, voxel)
@@ -126,13 +126,15 @@ def cell_labels(
     anchor: Int[Array, " cells"],
 ) -> Int[Array, " cells"]:
     """Labels of cells whose vertices are known already (`cell_vertices`)."""
-    voxel = _corner_voxels(lax.optimization_barrier(_halo_places(local)), anchor)
+    voxel = _corner_voxels(lax.optimization_barrier(_halo_voxels(local)), anchor)
     return _label(pool, read, voxel)
 
 
-def _corner_voxels(places: Int[Array, " halo"], anchor: Int[Array, " cells"]) -> list[jax.Array]:
+def _corner_voxels(
+    halo_voxel: Int[Array, " halo"], anchor: Int[Array, " cells"]
+) -> list[jax.Array]:
     """Where the corners of cells lie among the voxels read."""
-    return _gathered(places, lax.optimization_barrier([anchor + s for s in _CORNER_STEP]))
+    return _gathered(halo_voxel, lax.optimization_barrier([anchor + s for s in _CORNER_STEP]))
 
 
 def _gathered(field: Array, where: list[jax.Array]) -> list[jax.Array]:
@@ -170,10 +172,10 @@ def _mixed(values: list[jax.Array], share: jax.Array) -> tuple[list[jax.Array], 
     return [a + slope * share for a, slope in zip(values[:half], slopes)], slopes
 
 
-def _mean_color(words: list[jax.Array]) -> UInt8[Array, "cells 3"]:
+def _mean_color(colors: list[jax.Array]) -> UInt8[Array, "cells 3"]:
     """Mean of the corners that have a colour."""
-    painted = sum((w > 0).astype(jnp.float32) for w in words)
-    total = sum(unpack_color(w) for w in words)
+    painted = sum((c > 0).astype(jnp.float32) for c in colors)
+    total = sum(unpack_color(c) for c in colors)
     return jnp.round(total / jnp.maximum(painted, 1.0)[:, None]).astype(jnp.uint8)
 
 

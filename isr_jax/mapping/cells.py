@@ -27,7 +27,7 @@ class Cells:
     voxel: Int[np.ndarray, " cells"]
     """Lowest corner, in its block."""
     case: UInt8[np.ndarray, " cells"]
-    """Which corners are inside, a bit a corner in the order of `CORNERS`."""
+    """Which corners are inside, one bit per corner in the order of `CORNERS`."""
     vertex: Float[np.ndarray, "cells 3"]
     """World frame, metres."""
     normal: Float[np.ndarray, "cells 3"]
@@ -112,12 +112,12 @@ def read_cells(
 
 
 def _cells_of(
-    pool: VoxelPool, blocks: BlockIndex, voxel_m: float, batch: _Batch, case, sdf_m, places
+    pool: VoxelPool, blocks: BlockIndex, voxel_m: float, batch: _Batch, case, sdf_m, halo_voxel
 ) -> Cells:
     case = np.ascontiguousarray(np.asarray(case)[:, : len(batch.rows)].T).reshape(-1)
     flat = np.flatnonzero(case != 0)
     block, voxel = np.divmod(flat.astype(np.int32), np.int32(BLOCK_VOXELS))
-    found = cell_vertices(pool, batch.read, sdf_m, places, _anchors(block, voxel))
+    found = cell_vertices(pool, batch.read, sdf_m, halo_voxel, _anchors(block, voxel))
     place, *rest = (np.asarray(f)[: len(flat)] for f in found)
     row = batch.rows[block].astype(np.int32)
     corner = blocks.coords[row] * BLOCK_SIDE + np.stack(np.unravel_index(voxel, _BLOCK), -1)

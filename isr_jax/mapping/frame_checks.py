@@ -1,4 +1,4 @@
-"""What the map asks of a camera, and of every frame and its segments, before it fuses them.
+"""What the map asks of a camera, and of every frame and its segments, before it integrates them.
 
 Readers of recordings check files (`datasets.checks`); this is the border for frames from anywhere:
 a live camera, a simulator, a segmenter of one's own.
@@ -34,7 +34,11 @@ _FOCAL_SHARE = (0.2, 10.0)
 
 
 def check_camera(camera: Camera) -> None:
-    """Raises `MapError` for a camera that cannot be that of its images."""
+    """Refuse a camera that cannot be that of its images.
+
+    Raises:
+        MapError: its focal lengths or principal point do not fit the size of its images.
+    """
     sides = (("fx", camera.fx, "cx", camera.cx, camera.width),)
     sides += (("fy", camera.fy, "cy", camera.cy, camera.height),)
     for focal, f, centre, c, side in sides:
@@ -56,7 +60,7 @@ def check_camera(camera: Camera) -> None:
 def checked(
     frame: Frame, segments: FrameSegments, camera: Camera
 ) -> tuple[Float32[np.ndarray, "height width"], Int32[np.ndarray, "height width"]]:
-    """Depth and segments to fuse: no return is 0, and dynamic classes are left out.
+    """Depth and segments to integrate: no return is 0, and dynamic classes are left out.
 
     NaN, infinite, negative and saturated depth is no return. People and animals would leave ghosts
     in the map, so they are no return and no segment.
@@ -67,7 +71,7 @@ def checked(
         camera: The map's; every frame's is the same.
 
     Raises:
-        FrameError: this frame cannot be fused; the map is as before and goes on with others.
+        FrameError: this frame cannot be used; the map is as before and goes on with others.
     """
     _check_images(frame, segments, camera)
     check_pose(frame.T_world_camera, f"frame {frame.name}")
@@ -112,11 +116,14 @@ def _check_images(frame: Frame, segments: FrameSegments, camera: Camera) -> None
 
 
 def check_pose(T_world_camera: np.ndarray, name: str) -> None:
-    """Raises `FrameError` for what is no pose, or one too far from the origin for float32.
+    """Refuse what is no pose, or one too far from the origin for float32.
 
     Args:
         T_world_camera: What should be a 4x4 transform from camera to world, metres.
         name: Whose pose it is, for the message.
+
+    Raises:
+        FrameError: it is no finite 4x4 rigid transform within `MAX_COORDINATE_M` of the origin.
     """
     T = np.asarray(T_world_camera)
     if T.shape != (4, 4) or T.dtype.kind != "f" or not np.all(np.isfinite(T)):
@@ -146,7 +153,7 @@ def _check_tables(frame: Frame, segments: FrameSegments) -> None:
         if table.shape != (count,) or table.dtype.kind not in "iu" or not count:
             raise FrameError(
                 f"frame {frame.name}: {name} is {table.dtype} of {table.shape}",
-                "give one integer a segment, row 0 for nothing",
+                "give one integer per segment, row 0 for nothing",
             )
     if count > MAX_SEGMENTS:
         raise FrameError(
@@ -164,7 +171,11 @@ def _check_tables(frame: Frame, segments: FrameSegments) -> None:
 
 
 def _returns(frame: Frame) -> Float32[np.ndarray, "height width"]:
-    """Depth with 0 where there is no return; `FrameError` where it is not a room's in metres."""
+    """Depth with 0 where there is no return.
+
+    Raises:
+        FrameError: it is not a room's in metres.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
         depth_m = frame.depth_m.astype(np.float32, copy=False)
         nearest, farthest = depth_m.min(), depth_m.max()

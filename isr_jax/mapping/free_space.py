@@ -9,8 +9,8 @@ from jaxtyping import Float, Int, Int8
 
 from ..types import Array
 from .blocks import BlockIndex
-from .fuse import FusionScale
 from .pool import BLOCK_SIDE, VoxelPool
+from .voxel_kernel import MapScale
 
 UNKNOWN = 0
 """Never in view, or behind a surface."""
@@ -26,7 +26,7 @@ _BAND_VOXELS = 2.0
 
 
 def observed(
-    pool: VoxelPool, blocks: BlockIndex, scale: FusionScale, points: Float[np.ndarray, "n 3"]
+    pool: VoxelPool, blocks: BlockIndex, scale: MapScale, points: Float[np.ndarray, "n 3"]
 ) -> Int8[np.ndarray, " n"]:
     """`UNKNOWN`, `EMPTY` or `SURFACE` at each point of the world, metres.
 
@@ -41,11 +41,11 @@ def observed(
     rows = blocks.rows_at(block)
     count = len(rows)
     size = max(64, 1 << max(count - 1, 0).bit_length())
-    places = np.zeros((2, size), np.int32)
-    places[0, :count] = np.where(rows < 0, pool.capacity, rows)
-    places[1, :count] = (x * BLOCK_SIDE + y) * BLOCK_SIDE + z
+    row_and_voxel = np.zeros((2, size), np.int32)
+    row_and_voxel[0, :count] = np.where(rows < 0, pool.capacity, rows)
+    row_and_voxel[1, :count] = (x * BLOCK_SIDE + y) * BLOCK_SIDE + z
     band_m = min(_BAND_VOXELS * scale.voxel_m, scale.truncation_m)
-    said = np.asarray(_said(pool.sdf_m, pool.weight, *places, band_m))[:count]
+    said = np.asarray(_said(pool.sdf_m, pool.weight, *row_and_voxel, band_m))[:count]
     passed = np.where(blocks.passed(block), np.int8(EMPTY), np.int8(UNKNOWN))
     return np.where(known, np.where(said < 0, passed, said), np.int8(UNKNOWN))
 

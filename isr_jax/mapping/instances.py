@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from ..classes import classes
 from ..config import MappingSettings
-from .shares import Shares
-
-Triplets = dict[tuple[int, int], int]
-"""Of one label: (class, instance) -> Phi, the frames in which it was both."""
+from .shares import Shares, Triplets
 
 
 class Instances:
@@ -18,10 +15,10 @@ class Instances:
         self.class_of: list[int] = [0]
         self.frames: list[int] = [0]
         """Frames in which an instance was seen."""
-        self.into: list[int] = [0]
+        self.merged_into: list[int] = [0]
         """Instance -> the instance it has become; itself where it has not."""
-        self.apart: dict[tuple[int, int], int] = {}
-        """Frames in which two instances were seen as two."""
+        self.frames_apart: dict[tuple[int, int], int] = {}
+        """Two instances, the lower first -> frames in which they were seen as two."""
 
     def is_thing(self, instance: int) -> bool:
         """Whether it is a thing, and not merged into another."""
@@ -31,8 +28,8 @@ class Instances:
         """A new instance of a class."""
         self.class_of.append(class_id)
         self.frames.append(0)
-        self.into.append(len(self.into))
-        return len(self.into) - 1
+        self.merged_into.append(len(self.merged_into))
+        return len(self.merged_into) - 1
 
     def of_stuff(self, class_id: int) -> int:
         """All of one stuff or layout class is one instance."""
@@ -47,13 +44,13 @@ class Instances:
         things = sorted(o for o in seen if self.is_thing(o))
         for i, a in enumerate(things):
             for b in things[i + 1 :]:
-                self.apart[a, b] = self.apart.get((a, b), 0) + 1
+                self.frames_apart[a, b] = self.frames_apart.get((a, b), 0) + 1
 
-    def frames_apart(self, a: int, b: int) -> int:
+    def frames_apart_of(self, a: int, b: int) -> int:
         """Frames in which two instances were seen as two."""
-        return self.apart.get((min(a, b), max(a, b)), 0)
+        return self.frames_apart.get((min(a, b), max(a, b)), 0)
 
-    def one_thing(self, shares: Shares, seen: set[int]) -> tuple[int, int] | None:
+    def mergeable_pair(self, shares: Shares, seen: set[int]) -> tuple[int, int] | None:
         """The first pair of instances, one of them just ``seen``, that turn out to be one thing.
 
         i and j are one when shared(i, j) > ratio * min(total(i), total(j)) and > min (`Shares`).
@@ -68,20 +65,20 @@ class Instances:
             for b, count in shares.shared.get(a, {}).items()
             if count > self.settings.instance_merge_min
         }
-        return next((pair for pair in sorted(pairs) if self._are_one(*pair, shares)), None)
+        return next((pair for pair in sorted(pairs) if self._may_merge(*pair, shares)), None)
 
-    def _are_one(self, a: int, b: int, shares: Shares) -> bool:
+    def _may_merge(self, a: int, b: int, shares: Shares) -> bool:
         alike = self.class_of[a] == self.class_of[b]
         shared = shares.shared[a][b]
         return bool(
             (self.settings.regulate_classes or alike)
             and shared > self.settings.instance_merge_ratio * min(shares.total[a], shares.total[b])
-            and shared > max(self.settings.instance_merge_min, self.frames_apart(a, b))
+            and shared > max(self.settings.instance_merge_min, self.frames_apart_of(a, b))
         )
 
     def merge(self, keep: int, gone: int, counts: list[Triplets]) -> None:
         """Make two instances one; ``counts`` follow."""
-        self.into = [keep if o == gone else o for o in self.into]
+        self.merged_into = [keep if o == gone else o for o in self.merged_into]
         self.class_of[gone] = 0
         self.frames[keep] += self.frames[gone]
         for triplets in counts:
@@ -89,8 +86,8 @@ class Instances:
                 count = triplets.pop((class_id, instance))
                 triplets[class_id, keep] = triplets.get((class_id, keep), 0) + count
         moved: dict[tuple[int, int], int] = {}
-        for pair, frames in self.apart.items():
+        for pair, frames in self.frames_apart.items():
             a, b = sorted(keep if o == gone else o for o in pair)
             if a != b:
                 moved[a, b] = moved.get((a, b), 0) + frames
-        self.apart = moved
+        self.frames_apart = moved

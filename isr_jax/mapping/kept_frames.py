@@ -1,4 +1,4 @@
-"""Border: the frames of a map, kept without loss as PNG images in memory, to be fused again."""
+"""Border: the frames of a map, kept without loss as PNG images, to be integrated again."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class KeptFrame:
 
 
 class KeptFrames:
-    """The fused frames of a map, in order, without their poses."""
+    """The integrated frames of a map, in order, without their poses."""
 
     def __init__(self, camera: Camera) -> None:
         self.shape = (camera.height, camera.width)
@@ -49,14 +49,18 @@ class KeptFrames:
         return sum(len(image) for frame in self.frames for image in frame.images)
 
     def append(self, frame: PosedFrame) -> None:
-        """Keep one more frame."""
-        words = np.asarray(frame.packed.words)[0].reshape(self.shape)
+        """Keep one more frame.
+
+        Raises:
+            MapError: OpenCV cannot write it as PNG.
+        """
+        depth_segment = np.asarray(frame.packed.depth_segment)[0].reshape(self.shape)
         rgba = np.asarray(frame.packed.color).view(np.uint8).reshape(*self.shape, 4)
-        depth = words >> SEGMENT_BITS
+        depth = depth_segment >> SEGMENT_BITS
         unit = 1 if np.any(depth % _MILLIMETRE) else _MILLIMETRE
         depth = depth // unit
         images = [
-            (words & SEGMENT_MASK).astype(np.uint16),
+            (depth_segment & SEGMENT_MASK).astype(np.uint16),
             rgba[..., :3],
             (depth & 0xFFFF).astype(np.uint16),
         ]
@@ -66,7 +70,11 @@ class KeptFrames:
         self.frames.append(KeptFrame(png, unit, frame.farthest, frame.class_id, frame.instance))
 
     def replay(self, poses: Float[np.ndarray, "frames 4 4"]) -> Iterator[PosedFrame]:
-        """The frames, as they were packed, with these poses."""
+        """The frames, as they were packed, with these poses.
+
+        Raises:
+            MapError: an image of a frame is broken.
+        """
         for frame, T_world_camera in zip(self.frames, poses, strict=True):
             yield PosedFrame(
                 _packed(frame), frame.farthest, T_world_camera, frame.class_id, frame.instance
@@ -88,8 +96,8 @@ def _image(png: bytes) -> Shaped[np.ndarray, "height width *channels"]:
 
 
 def _packed(frame: KeptFrame) -> PackedFrames:
-    """The words and colours of `packing.pack_frame`, bit for bit."""
+    """What `packing.pack_frame` gave, bit for bit."""
     segment, color, *steps = (_image(png) for png in frame.images)
     depth = sum(image.astype(np.uint32) << (16 * i) for i, image in enumerate(steps))
-    words = (depth * np.uint32(frame.depth_unit) << SEGMENT_BITS) | segment
-    return PackedFrames(jnp.asarray(words.reshape(1, -1)), packed_color(color))
+    depth_segment = (depth * np.uint32(frame.depth_unit) << SEGMENT_BITS) | segment
+    return PackedFrames(jnp.asarray(depth_segment.reshape(1, -1)), packed_color(color))

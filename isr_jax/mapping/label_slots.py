@@ -1,4 +1,4 @@
-"""Label counts of voxels: a few slots a voxel, counted up a frame at a time, renamed on a merge."""
+"""Label counts of voxels: a few slots per voxel, counted up by frames, renumbered on a merge."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import jax.numpy as jnp
 from jax import lax
 from jaxtyping import Bool, Int, UInt32
 
-from ..runtime.wide_vectors import wide_jit
+from ..runtime.wide_vectors import jit_wide_vectors
 from ..types import Array
-from .ballots import CHUNK_VOXELS, SeenVoxels, part
+from .ballots import CHUNK_VOXELS, LabelledVoxels, part
 from .pool import LABEL_BITS, LABEL_MASK, MAX_COUNT, ROW_MULTIPLE, LabelSlots
 
 
@@ -51,14 +51,14 @@ def count_leading(slot, label):
     count = slot >> LABEL_BITS
     known = (slot & LABEL_MASK) == label
     new = jnp.where(known & (count > 0), slot + jnp.where(count < MAX_COUNT, one, 0), label | one)
-    settled = known | (count == 0) | (label == 0)
-    return jnp.where(settled & (label > 0), new, slot), settled
+    done = known | (count == 0) | (label == 0)
+    return jnp.where(done & (label > 0), new, slot), done
 
 
-@functools.partial(wide_jit, donate_argnames=("leading",))
+@functools.partial(jit_wide_vectors, donate_argnames=("leading",))
 def count_leading_labels(
     leading: UInt32[Array, "capacity 512"],
-    seen: SeenVoxels,
+    labelled: LabelledVoxels,
     first_segment: Int[Array, " chunks"],
     label_of_segment: UInt32[Array, " segments"],
     chunks: Int[Array, ""],
@@ -75,22 +75,22 @@ def count_leading_labels(
 
     def step(i, carry):
         leading, left = carry
-        some = jax.tree.map(lambda entries: part(entries, i), seen)
+        some = jax.tree.map(lambda entries: part(entries, i), labelled)
         label = _label_of(some.segment, first_segment[i], label_of_segment)
-        new, settled = lax.optimization_barrier(count_leading(some.leading, label))
+        new, done = lax.optimization_barrier(count_leading(some.leading, label))
         at = leading.at[some.row, some.voxel]
         leading = at.set(new, mode="drop", unique_indices=True)
-        return leading, lax.dynamic_update_slice(left, ~settled, (i * CHUNK_VOXELS,))
+        return leading, lax.dynamic_update_slice(left, ~done, (i * CHUNK_VOXELS,))
 
-    left = jnp.zeros(len(seen.row), bool)
+    left = jnp.zeros(len(labelled.row), bool)
     return lax.fori_loop(0, chunks, step, (leading, left))
 
 
-@functools.partial(wide_jit, donate_argnames=("labels",))
+@functools.partial(jit_wide_vectors, donate_argnames=("labels",))
 def count_labels(
     labels: LabelSlots,
-    seen: SeenVoxels,
-    places: Int[Array, " some"],
+    labelled: LabelledVoxels,
+    indices: Int[Array, " some"],
     first_segment: Int[Array, " chunks"],
     label_of_segment: UInt32[Array, " segments"],
     chunks: Int[Array, ""],
@@ -98,16 +98,18 @@ def count_labels(
     """Count the map label of the segment that each of some voxels saw (0 = no label).
 
     Args:
-        places: Of the voxels in ``seen``; ``chunks`` chunks of `CHUNK_VOXELS` are true, padding
-            lies out of range.
+        indices: Of the voxels in ``labelled``; ``chunks`` chunks of `CHUNK_VOXELS` are true,
+            padding lies out of range.
         first_segment: Where the segments of each chunk's map begin in ``label_of_segment``.
     """
     capacity = len(labels[0])
 
     def step(i, labels):
-        some = part(places, i)
-        row = jnp.take(seen.row, some, mode="fill", fill_value=capacity)
-        voxel, segment = (jnp.take(e, some, mode="clip") for e in (seen.voxel, seen.segment))
+        some = part(indices, i)
+        row = jnp.take(labelled.row, some, mode="fill", fill_value=capacity)
+        voxel, segment = (
+            jnp.take(e, some, mode="clip") for e in (labelled.voxel, labelled.segment)
+        )
         row, voxel, segment = lax.optimization_barrier((row, voxel, segment))
         label = _label_of(segment, first_segment[i], label_of_segment)
         old = tuple(s.at[row, voxel].get(mode="clip") for s in labels)
@@ -122,8 +124,8 @@ def count_labels(
 
 def _label_of(segment, first_segment, label_of_segment):
     """The map label of each segment of a map."""
-    place = lax.optimization_barrier(segment + first_segment)
-    return lax.optimization_barrier(jnp.take(label_of_segment, place, mode="clip"))
+    entry = lax.optimization_barrier(segment + first_segment)
+    return lax.optimization_barrier(jnp.take(label_of_segment, entry, mode="clip"))
 
 
 @functools.partial(jax.jit, static_argnames=("size",))
@@ -148,8 +150,8 @@ def leading_somewhere(
     return lax.fori_loop(0, trips, step, jnp.zeros(size, bool))
 
 
-@functools.partial(wide_jit, donate_argnames=("labels",))
-def relabel(
+@functools.partial(jit_wide_vectors, donate_argnames=("labels",))
+def renumber_slots(
     labels: LabelSlots,
     tables: UInt32[Array, "tables labels"],
     rows: Int[Array, " blocks"],
@@ -159,22 +161,22 @@ def relabel(
     """Give every label its new number in the first ``count`` of some rows of the pool.
 
     Slots of a voxel that become one label add up; slots are in order of counts, then of labels, so
-    that two renamings one after the other are the one that both make.
+    that two renumberings one after the other are the one that both make.
 
     Args:
         table_of: Table of each row.
     """
     width = tables.shape[1]
-    names = tables.reshape(-1)
+    new_label = tables.reshape(-1)
 
     def step(i, labels):
         start = i * ROW_MULTIPLE
         some = lax.dynamic_slice(rows, (start,), (ROW_MULTIPLE,))
         table = lax.dynamic_slice(table_of, (start,), (ROW_MULTIPLE,)) * width
         old = [jnp.take(s, some, axis=0, mode="clip") for s in labels]
-        places = [(s & LABEL_MASK).astype(jnp.int32) + table[:, None] for s in old]
-        places = lax.optimization_barrier(places)
-        new = _renamed(old, [names[p] for p in places])
+        entries = [(s & LABEL_MASK).astype(jnp.int32) + table[:, None] for s in old]
+        entries = lax.optimization_barrier(entries)
+        new = _renumbered(old, [new_label[entry] for entry in entries])
         return tuple(
             s.at[some].set(n, mode="drop", unique_indices=True)
             for s, n in zip(labels, new, strict=True)
@@ -184,14 +186,14 @@ def relabel(
     return lax.fori_loop(0, trips, step, labels)
 
 
-def _renamed(slots, names):
+def _renumbered(slots, new_labels):
     """A voxel's slots with new labels, equal ones added up, by counts, then by labels.
 
     A label that became 0 leaves its slot empty.
     """
     new = [
-        jnp.where(name > 0, (s & ~jnp.uint32(LABEL_MASK)) | name, 0)
-        for s, name in zip(slots, names, strict=True)
+        jnp.where(label > 0, (s & ~jnp.uint32(LABEL_MASK)) | label, 0)
+        for s, label in zip(slots, new_labels, strict=True)
     ]
     for i in range(len(new)):
         for j in range(i + 1, len(new)):

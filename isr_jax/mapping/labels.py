@@ -1,4 +1,7 @@
-"""Label fusion: triplet counts Phi(l, c, o), merges of labels and of instances (paper, sec. IV).
+"""Labels of the map: triplet counts Phi(l, c, o), merges of labels and of instances.
+
+Phi(l, c, o) counts the frames in which a segment was of geometric label l, class c and instance o
+(paper, sec. IV, Data Fusion).
 
 Everything here is small (hundreds of labels), lives on the host, and is deterministic: ties go
 to the lower number. ``counts="pairs"`` (Grinvald et al. 2019) walks the same path with pair counts:
@@ -17,16 +20,16 @@ from ..classes import classes
 from ..config import MappingSettings
 from ..errors import MapError
 from .association import one_to_one
-from .instances import Instances, Triplets
+from .instances import Instances
 from .pool import LABEL_MASK
-from .shares import Shares
+from .shares import Shares, Triplets
 from .votes import Votes, assign_labels, overlapping_pairs
 
 _NO_INSTANCE = (0, 0)
 """Class and instance of a segment of the background."""
 
 
-class LabelFusion:
+class MapLabels:
     """What is known of every map label and every global instance."""
 
     def __init__(self, settings: MappingSettings) -> None:
@@ -39,7 +42,7 @@ class LabelFusion:
         self.counts: list[Triplets] = [{}]
         self.pair_frames: dict[tuple[int, int], int] = {}
         """Frames in which two labels claimed the same segment."""
-        self.shares = Shares(self.instances)
+        self.shares = Shares(self.instances.is_thing)
 
     @property
     def label_count(self) -> int:
@@ -57,6 +60,9 @@ class LabelFusion:
         A label goes to one segment or, with ``share_labels``, to the segments of one instance, so
         that cutting an instance differently in each frame makes no new labels. A segment of fewer
         than ``min_votes`` voxels gets none: it could not be known again.
+
+        Raises:
+            MapError: the map has given as many labels as its voxels can hold.
         """
         owner = self._owners(_frame_instances(class_of, instance_of))
         how = self.settings.association
@@ -111,8 +117,8 @@ class LabelFusion:
         (class_a, instance_a), (class_b, instance_b) = self.decide(a), self.decide(b)
         if class_a and class_b and class_a != class_b:
             return False
-        apart = self.instances.frames_apart(instance_a, instance_b)
-        return apart <= self.settings.merge_min_frames
+        frames_apart = self.instances.frames_apart_of(instance_a, instance_b)
+        return frames_apart <= self.settings.merge_min_frames
 
     def _merge_labels(self, keep: int, gone: int) -> None:
         self.canonical[self.canonical == gone] = keep
@@ -129,16 +135,16 @@ class LabelFusion:
                 moved[a, b] = max(frames, moved.get((a, b), 0))
         self.pair_frames = moved
 
-    def compact(self) -> Int[np.ndarray, " labels"] | None:
+    def renumber_merged(self) -> Int[np.ndarray, " labels"] | None:
         """The new number of each label, merged ones as what they became; None if all stay.
 
         From now on labels bear their new numbers, counted without gaps: those of merged labels
-        are given again. The voxels must be renamed.
+        are given again. The voxels must be renumbered.
         """
         return self._renumber(self.canonical == np.arange(self.label_count))
 
     def forget(self, leading: Bool[np.ndarray, " labels"]) -> Int[np.ndarray, " labels"] | None:
-        """As `compact`, and labels that lead no voxel become 0.
+        """As `renumber_merged`, and labels that lead no voxel become 0.
 
         Votes are of leading labels, so such a label can be given to no segment again. Segments
         that are cut anew in every frame leave many behind.
@@ -188,7 +194,7 @@ class LabelFusion:
             touched.add(instance)
         self.instances.count(touched)
         if self.settings.regulate:
-            while (pair := self.instances.one_thing(self.shares, touched)) is not None:
+            while (pair := self.instances.mergeable_pair(self.shares, touched)) is not None:
                 self._merge_instances(*pair)
 
     def _merge_instances(self, keep: int, gone: int) -> None:

@@ -1,6 +1,6 @@
-"""The voxel pool: blocks of 8^3 voxels in arrays of fixed capacity, one array a field.
+"""The voxel pool: blocks of 8^3 voxels in arrays of fixed capacity, one array per field.
 
-One array a field, not one array of records: a stacked pool was measured four times slower. The
+One array per field, not one array of records: a stacked pool was measured four times slower. The
 pool grows by doubling, on the host, and never drops a block in silence.
 """
 
@@ -52,7 +52,7 @@ LabelSlots = tuple[UInt32[Array, "capacity 512"], ...]
 @jax.tree_util.register_dataclass
 @dataclasses.dataclass(frozen=True, eq=False)
 class VoxelPool:
-    """Signed distances, weights, colours and label counts of all blocks, a row a block."""
+    """Signed distances, weights, colours and label counts of all blocks, one row per block."""
 
     sdf_m: Float[Array, "capacity 512"]
     """Truncated signed distance along the ray, positive towards the camera, metres."""
@@ -127,7 +127,7 @@ def weight(pool: VoxelPool, rows: Int[Array, "*batch"]) -> Float[Array, "*batch 
 
 
 def color(pool: VoxelPool, rows: Int[Array, "*batch"]) -> UInt32[Array, "*batch 512"]:
-    """Colours of blocks, 10 bits a channel (see `unpack_color`); 0 = none."""
+    """Colours of blocks, 10 bits per channel (see `unpack_color`); 0 = none."""
     return _rows_of(pool.color, rows)
 
 

@@ -1,23 +1,28 @@
-"""Which instances share geometric labels, and for how long: kept up to date a count at a time.
+"""Which instances share geometric labels, and for how long: kept up to date count by count.
 
 Phi(l, o) = sum_c Phi(l, c, o);  shared(i, j) = sum_l min(Phi(l, i), Phi(l, j));
-total(o) = sum_l Phi(l, o). Tallying them anew would cost as much as the map has labels, a frame.
+total(o) = sum_l Phi(l, o), with the Phi(l, c, o) of the paper (sec. IV, Data Fusion). Tallying them
+anew for each frame would cost as much as the map has labels.
 """
 
 from __future__ import annotations
 
 import collections
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-if TYPE_CHECKING:
-    from .instances import Instances, Triplets
+Triplets = dict[tuple[int, int], int]
+"""Of one label: (class, instance) -> Phi, the frames in which it was both."""
 
 
 class Shares:
-    """Sums over the triplet counts of things."""
+    """Sums over the triplet counts of things.
 
-    def __init__(self, instances: Instances) -> None:
-        self._instances = instances
+    Args:
+        is_thing: Whether an instance is a thing; of others nothing is summed.
+    """
+
+    def __init__(self, is_thing: Callable[[int], bool]) -> None:
+        self._is_thing = is_thing
         self.total: collections.Counter[int] = collections.Counter()
         self.shared: dict[int, collections.Counter[int]] = {}
         """Instance -> the others that share labels with it, and how much."""
@@ -25,7 +30,7 @@ class Shares:
 
     def count(self, label: int, instance: int, frames: int = 1) -> None:
         """``label`` was ``instance`` in so many frames more."""
-        if not self._instances.is_thing(instance):
+        if not self._is_thing(instance):
             return
         here = self._of_label.setdefault(label, collections.Counter())
         old = here[instance]

@@ -12,18 +12,18 @@ from ..config import MappingSettings
 from ..types import Camera
 from . import view
 from .blocks import BlockIndex
-from .fuse import FusionScale
-from .labels import LabelFusion
+from .labels import MapLabels
 from .packing import DEPTH_STEP_M, PackedFrames
 from .pool import BLOCK_SIDE
-from .renaming import Renaming
+from .renumbering import Renumbering
+from .voxel_kernel import MapScale
 
 _ROOM_M2, _LEAST_START, _MOST_START = 200.0, 1 << 14, 1 << 16
 """Surface of a furnished room, whose blocks a map has from the start, within bounds."""
 _CROWD = 128
 _FORGET_EVERY = 256
 """From so many labels on, those that lead no voxel are forgotten every so many frames."""
-_RENAME_EVERY = 64
+_RENUMBER_EVERY = 64
 """Merged labels get their new numbers every so many frames; votes resolve them meanwhile."""
 
 
@@ -41,7 +41,7 @@ class PosedFrame:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class ReadyFrame:
-    """A frame with its blocks in the map, to be fused."""
+    """A frame with its blocks in the map, to be integrated."""
 
     packed: PackedFrames
     T_camera_world: Float[np.ndarray, "4 4"]
@@ -59,12 +59,12 @@ class MapState:
         self.settings = settings
         capacity = settings.block_capacity or _room_blocks(settings.voxel_size_m)
         self.blocks = BlockIndex(capacity, settings.max_blocks)
-        self.labels = LabelFusion(settings)
-        self.renaming = Renaming()
+        self.labels = MapLabels(settings)
+        self.renumbering = Renumbering()
         self.frames = 0
-        """Frames fused so far."""
+        """Frames integrated so far."""
         self.step = 0
-        """Rises with every change of voxels, renaming included."""
+        """Rises with every change of voxels, renumbering included."""
         self.first_row = 0
 
     def is_crowded(self, frames: int) -> bool:
@@ -75,7 +75,7 @@ class MapState:
         self,
         frame: PosedFrame,
         camera: Camera,
-        scale: FusionScale,
+        scale: MapScale,
         reserve: Callable[[int], None],
     ) -> ReadyFrame:
         """The frame with the rows of the blocks that it updates, allocated where they are new.
@@ -98,8 +98,8 @@ class MapState:
             return np.zeros(0, np.int32)
         far_m = frame.farthest * DEPTH_STEP_M
         window = view.window_of(T_world_camera, camera, scale, far_m)
-        words = frame.packed.words
-        flags = view.look(words, T_world_camera, camera, scale, window, far_m)
+        pixels = frame.packed.depth_segment
+        flags = view.visible_blocks(pixels, T_world_camera, camera, scale, window, far_m)
         self.blocks.cover(window.low, window.low + window.extent - 1)
         part = self.blocks.part(window.low, window.extent)
         near = np.flatnonzero(flags & view.NEAR_SURFACE)
@@ -120,11 +120,11 @@ class MapState:
     ) -> None:
         """Count a frame, and every so many ``frames`` give merged labels their new numbers."""
         self.labels.observe(label_of, frame.class_id, frame.instance)
-        if frames % _RENAME_EVERY:
+        if frames % _RENUMBER_EVERY:
             return
-        new_label = self.labels.compact()
+        new_label = self.labels.renumber_merged()
         if new_label is not None:
-            self.renaming.rename(new_label)
+            self.renumbering.add(new_label)
 
 
 def _room_blocks(voxel_size_m: float) -> int:

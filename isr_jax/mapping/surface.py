@@ -8,7 +8,7 @@ seen stay open.
 
 Why not marching cubes. A closed room with furniture, turned off the voxel lattice, 48 views
 without noise, voxels of 2 cm; Lewiner's marching cubes (scikit-image 0.26) on the same distances
-and the same cells, Open3D 0.20 on its own fusion of the same frames:
+and the same cells, Open3D 0.20 on its own map of the same frames:
 
                                   nets    Lewiner  Open3D
     vertices, thousands           257     262      268
@@ -20,7 +20,7 @@ and the same cells, Open3D 0.20 on its own fusion of the same frames:
     edges of more than two faces  0.005 % 0        0
     time, ratio to nets           1       0.86     2.0
 
-The mean of several crossings averages their errors, and one vertex a cell leaves no slivers. The
+The mean of several crossings averages their errors, and one vertex per cell leaves no slivers. The
 price is that a cell with two sheets has one vertex for both. Lewiner's time is that of its kernel
 alone; with the dense volume and the mask that it needs it is 6.5 times ours, which reads colours
 and labels as well. Masked by observed voxels instead of whole cells, it put 31 % of its faces

@@ -17,9 +17,9 @@ from jaxtyping import Float, Int, UInt8, UInt32
 
 from ..errors import FrameError
 from ..types import Array, Camera
-from .fuse import FusionScale, pixel_of
 from .packing import DEPTH_STEP_M, SEGMENT_BITS
 from .pool import BLOCK_SIDE
+from .voxel_kernel import MapScale, pixel_of
 
 NEAR_SURFACE = 1
 """Flag of a block within the truncation distance of a return."""
@@ -52,11 +52,12 @@ class Window:
 
 
 def window_of(
-    T_world_camera: Float[np.ndarray, "4 4"], camera: Camera, scale: FusionScale, far_m: float
+    T_world_camera: Float[np.ndarray, "4 4"], camera: Camera, scale: MapScale, far_m: float
 ) -> Window:
     """The blocks around the viewing pyramid down to ``far_m`` and the truncation distance.
 
-    Raises `FrameError` when they are more than a frame may look through.
+    Raises:
+        FrameError: they are more than a frame may look through.
     """
     far_m = far_m + scale.truncation_m
     u = (np.array([-0.5, camera.width - 0.5]) - camera.cx) / camera.fx * far_m
@@ -75,11 +76,11 @@ def window_of(
     return window
 
 
-def look(
-    words: UInt32[Array, "1 pixels"],
+def visible_blocks(
+    depth_segment: UInt32[Array, "1 pixels"],
     T_world_camera: Float[np.ndarray, "4 4"],
     camera: Camera,
-    scale: FusionScale,
+    scale: MapScale,
     window: Window,
     far_m: float,
 ) -> UInt8[np.ndarray, "x y z"]:
@@ -88,8 +89,8 @@ def look(
     stride = int(np.clip(block_m / 3 * camera.fx / max(far_m, 0.5), 1, 4))
     corner_m = window.low * block_m
     R, t = T_world_camera[:3, :3], T_world_camera[:3, 3] - corner_m
-    flags = _look(
-        words,
+    flags = _visible_blocks(
+        depth_segment,
         np.concatenate([R, t[:, None]], 1).astype(np.float32),
         camera,
         scale,
@@ -102,8 +103,10 @@ def look(
 
 
 @functools.partial(jax.jit, static_argnames=("stride", "samples", "size"))
-def _look(words, T_window_camera, camera, scale, extent, *, stride, samples, size):
-    steps = (words >> SEGMENT_BITS).astype(jnp.int32).astype(jnp.float32)
+def _visible_blocks(
+    depth_segment, T_window_camera, camera, scale, extent, *, stride, samples, size
+):
+    steps = (depth_segment >> SEGMENT_BITS).astype(jnp.int32).astype(jnp.float32)
     depth_m = (steps * DEPTH_STEP_M).reshape(camera.height, camera.width)
     flags = _free_blocks(depth_m, T_window_camera, camera, scale, extent, size)
     near = _near_surface(depth_m, T_window_camera, camera, scale, extent, stride, samples, size)
@@ -211,7 +214,7 @@ def _nearer_within(least, step: int, reached: int, axis: int):
 
 
 def _tile_of(index, reach_px, camera: Camera, layout):
-    """Place of a pixel's tile among those with a reach that suffices; the last where none does."""
+    """Index of a pixel's tile among those with a reach that suffices; the last where none does."""
     height, width = layout
     quotient = jnp.floor((index.astype(jnp.float32) + 0.5) * (1.0 / camera.width))
     row = quotient.astype(jnp.int32)

@@ -21,7 +21,7 @@ class Votes:
     """Never 0."""
     count: Int[np.ndarray, " pairs"]
     total: Int[np.ndarray, " segments"]
-    """Voxels that voted, a segment, those without a label too."""
+    """Voxels that voted for each segment, those without a label too."""
 
 
 def count_votes(
@@ -51,7 +51,7 @@ def _counted(values, end: int):
     """The values below ``end`` that occur, and how often.
 
     A table with more entries than there are values takes longer than sorting them, and would make
-    the time a frame grow with the labels of the map.
+    the time per frame grow with the labels of the map.
     """
     if end > len(values):
         return np.unique(values, return_counts=True)

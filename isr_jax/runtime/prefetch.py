@@ -11,7 +11,7 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 
-def map_ahead(
+def prefetch_results(
     work: Callable[[T], R], items: Iterable[T], *, workers: int, ahead: int, name: str
 ) -> Generator[R, None, None]:
     """``work`` of each item, in the items' order; what it raises is raised in its turn.

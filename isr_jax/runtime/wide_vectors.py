@@ -14,7 +14,7 @@ _WIDE = {"xla_cpu_prefer_vector_width": 512}
 _Kernel = TypeVar("_Kernel", bound=Callable[..., Any])
 
 
-def wide_jit(kernel: _Kernel, **options: Any) -> _Kernel:
+def jit_wide_vectors(kernel: _Kernel, **options: Any) -> _Kernel:
     """The kernel compiled for the device of its first argument's first array."""
     on_cpu = jax.jit(kernel, compiler_options=_WIDE, **options)
     elsewhere = jax.jit(kernel, **options)

@@ -9,13 +9,15 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ..config import SegmentationSettings
-from ..runtime.wide_vectors import wide_jit
+from ..runtime.wide_vectors import jit_wide_vectors
 from ..types import Camera
 from .components import connected_components
 from .depth_kernels import interior_map, join_edges
 
 _interior_map = functools.partial(jax.jit, static_argnums=(2, 3, 4))(interior_map)
-_join_edges = wide_jit(join_edges, static_argnums=(3,))  # a third faster; the other is slower so
+_join_edges = jit_wide_vectors(
+    join_edges, static_argnums=(3,)
+)  # a third faster; the other is slower so
 
 
 def segment_depth(

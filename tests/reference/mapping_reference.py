@@ -92,7 +92,7 @@ def orbit(target, radius, height, count, turn=2 * np.pi):
     return [look_at(eye, target) for eye in eyes]
 
 
-def fuse_voxel(centers, frames, settings):
+def integrate_voxel(centers, frames, settings):
     """Running mean of the truncated distance at points, frame by frame, in float64."""
     voxel = settings.voxel_size_m
     tau = settings.truncation_voxels * voxel

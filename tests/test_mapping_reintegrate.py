@@ -1,4 +1,4 @@
-"""Kept frames: fused again at other poses, they make the map of those poses, bit for bit."""
+"""Kept frames: integrated again at other poses, they make the map of those poses, bit for bit."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from isr_jax.errors import FrameError, MapError
 from isr_jax.mapping import PanopticMapper
 
-from .mapping_films import SETTINGS, assert_same_map, film, fused
+from .mapping_films import SETTINGS, assert_same_map, film, map_of
 from .reference.mapping_reference import CAMERA
 
 KEEPING = dataclasses.replace(SETTINGS, keep_frames=True)
@@ -43,31 +43,31 @@ def far_away(frames):
 
 
 @pytest.mark.parametrize("sensor", [in_millimetres, far_away, list])
-def test_refused_equals_mapped_with_these_poses(sensor):
+def test_reintegrated_equals_mapped_with_these_poses(sensor):
     frames = sensor(film(6))
-    wrong = fused(drifted(frames), KEEPING)
-    right = wrong.refuse(np.stack([frame.T_world_camera for frame, _ in frames]))
-    assert_same_map(right, fused(frames))
+    wrong = map_of(drifted(frames), KEEPING)
+    right = wrong.reintegrate(np.stack([frame.T_world_camera for frame, _ in frames]))
+    assert_same_map(right, map_of(frames))
     assert not np.array_equal(np.asarray(wrong.pool.sdf_m), np.asarray(right.pool.sdf_m))
 
 
-def test_a_refused_map_goes_on_and_can_be_refused_again(tmp_path):
+def test_a_reintegrated_map_goes_on_and_can_be_reintegrated_again(tmp_path):
     frames = film(6)
-    wrong = fused(drifted(frames[:4]), KEEPING)
+    wrong = map_of(drifted(frames[:4]), KEEPING)
     wrong.save(tmp_path / "map.npz")
     loaded = PanopticMapper.load(tmp_path / "map.npz")
-    right = loaded.refuse(np.stack([frame.T_world_camera for frame, _ in frames[:4]]))
+    right = loaded.reintegrate(np.stack([frame.T_world_camera for frame, _ in frames[:4]]))
     for frame, segments in frames[4:]:
         right.integrate(frame, segments)
-    assert_same_map(right, fused(frames))
+    assert_same_map(right, map_of(frames))
     shifted = drifted(frames)
-    again = right.refuse(np.stack([frame.T_world_camera for frame, _ in shifted]))
-    assert_same_map(again, fused(shifted))
+    again = right.reintegrate(np.stack([frame.T_world_camera for frame, _ in shifted]))
+    assert_same_map(again, map_of(shifted))
 
 
 def test_kept_frames_take_less_than_the_images():
     frames = in_millimetres(film(4))
-    kept = fused(frames, KEEPING).kept
+    kept = map_of(frames, KEEPING).kept
     assert kept is not None and len(kept) == 4
     raw = sum(f.depth_m.nbytes + f.color.nbytes + s.segment.nbytes for f, s in frames)
     assert 0 < kept.nbytes < raw / 4
@@ -76,9 +76,9 @@ def test_kept_frames_take_less_than_the_images():
 def test_without_kept_frames_or_with_other_poses_it_says_so():
     frames = film(2)
     with pytest.raises(MapError, match="kept no frames"):
-        fused(frames).refuse(np.stack([frame.T_world_camera for frame, _ in frames]))
+        map_of(frames).reintegrate(np.stack([frame.T_world_camera for frame, _ in frames]))
     with pytest.raises(MapError, match="2 kept frames"):
-        fused(frames, KEEPING).refuse(np.eye(4)[None])
+        map_of(frames, KEEPING).reintegrate(np.eye(4)[None])
 
 
 def test_kept_frames_do_not_follow_the_callers_arrays():
@@ -88,14 +88,14 @@ def test_kept_frames_do_not_follow_the_callers_arrays():
     for frame, segments in film(4):
         mapper.integrate(frame, segments)
         segments.class_id[:], segments.instance[:], frame.T_world_camera[:] = 0, 0, 0.0
-    assert_same_map(mapper.refuse(poses), fused(frames))
+    assert_same_map(mapper.reintegrate(poses), map_of(frames))
 
 
 @pytest.mark.parametrize("wrong", [np.nan, 0.0, 2.0, 1e7])
 def test_poses_that_are_none_are_refused_by_number(wrong):
-    mapper = fused(film(3), KEEPING)
+    mapper = map_of(film(3), KEEPING)
     poses = np.stack([frame.T_world_camera for frame, _ in film(3)])
     poses[1] = poses[1] * wrong if wrong != 1e7 else poses[1]
     poses[1, :3, 3] += 1e4 * (wrong == 1e7)
     with pytest.raises(FrameError, match="pose 1"):
-        mapper.refuse(poses)
+        mapper.reintegrate(poses)

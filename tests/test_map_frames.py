@@ -1,4 +1,4 @@
-"""Frames are decoded, segmented and fused at the same time: in order, and as one thread would."""
+"""Frames are decoded, segmented and integrated at once: in order, and as one thread would."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import pytest
 
 from isr_jax.datasets import open_sequence
 from isr_jax.errors import FrameError
-from isr_jax.map_runs import frames as fusing
+from isr_jax.map_runs.frames import integrate_sequence, segmented_frames
 from isr_jax.mapping import PanopticMapper
-from isr_jax.runtime.prefetch import map_ahead
+from isr_jax.runtime.prefetch import prefetch_results
 from isr_jax.runtime.reporter import LogReporter
 from isr_jax.runtime.stage_runner import StageRunner
 from isr_jax.segmentation import open_segmenter, segment_frame
@@ -46,7 +46,7 @@ class Faulty:
 
 def test_the_map_is_bit_for_bit_that_of_one_thread(film):  # noqa: F811
     sequence, segmenter, settings = open_sequence(film), Faulty(film), coarse()
-    result = fusing.fuse(sequence, segmenter, settings, StageRunner(reporter=LogReporter()))
+    result = integrate_sequence(sequence, segmenter, settings, StageRunner(reporter=LogReporter()))
     mapper = PanopticMapper(sequence.camera, settings.mapping)
     for index in range(len(sequence)):
         if index not in BAD:
@@ -64,7 +64,7 @@ def test_the_map_is_bit_for_bit_that_of_one_thread(film):  # noqa: F811
 def test_the_segmenter_is_called_in_one_thread_at_a_time(film):  # noqa: F811
     sequence, segmenter = open_sequence(film), Faulty(film)
     indices = list(range(len(sequence)))
-    ready = list(fusing.segmented_frames(sequence, indices, segmenter, coarse()))
+    ready = list(segmented_frames(sequence, indices, segmenter, coarse()))
     assert len(segmenter.threads) == 1
     assert [i for i, item in enumerate(ready) if isinstance(item, FrameError)] == list(BAD)
     assert [item[0].index for item in ready if not isinstance(item, FrameError)] == [
@@ -76,11 +76,16 @@ def test_an_interrupted_run_leaves_no_thread_behind(film):  # noqa: F811
     before = set(threading.enumerate())
     sequence, runner = open_sequence(film), StageRunner(reporter=Recorder(die_after=5))
     with pytest.raises(KeyboardInterrupt):
-        fusing.fuse(sequence, Faulty(film), coarse(), runner)
+        integrate_sequence(sequence, Faulty(film), coarse(), runner)
+
+    def left():  # the mapper's own threads wait for its next frame, and end with it
+        new = set(threading.enumerate()) - before
+        return [t.name for t in new if t.name.startswith(("prefetch", "segment"))]
+
     deadline = time.monotonic() + 30
-    while (left := set(threading.enumerate()) - before) and time.monotonic() < deadline:
+    while left() and time.monotonic() < deadline:
         time.sleep(0.01)
-    assert not [t.name for t in left if t.name.startswith(("prefetch", "segment"))]
+    assert not left()
 
 
 def test_results_come_in_order_and_errors_in_their_turn():
@@ -90,7 +95,7 @@ def test_results_come_in_order_and_errors_in_their_turn():
             raise FrameError("four")
         return item
 
-    results = map_ahead(work, range(6), workers=3, ahead=3, name="test")
+    results = prefetch_results(work, range(6), workers=3, ahead=3, name="test")
     assert [next(results) for _ in range(4)] == [0, 1, 2, 3]
     with pytest.raises(FrameError, match="four"):
         next(results)
@@ -98,8 +103,8 @@ def test_results_come_in_order_and_errors_in_their_turn():
 
 def test_no_more_is_made_than_asked_for():
     taken = []
-    results = map_ahead(lambda x: x, (taken.append(i) or i for i in range(100)), workers=2,
-                        ahead=3, name="test")  # fmt: skip
+    items = (taken.append(i) or i for i in range(100))
+    results = prefetch_results(lambda x: x, items, workers=2, ahead=3, name="test")
     next(results), next(results)
     assert taken == [0, 1, 2, 3, 4]
 
@@ -109,6 +114,8 @@ def test_kernels_of_two_threads_give_what_one_gives():
     square = jax.jit(lambda x: (x @ x.T).sum(0))
     items = [np.random.default_rng(i).normal(size=(64, 64)).astype(np.float32) for i in range(20)]
     alone = [np.asarray(square(x)) for x in items]
-    ahead = map_ahead(lambda x: np.asarray(square(x)), items, workers=4, ahead=8, name="test")
+    ahead = prefetch_results(
+        lambda x: np.asarray(square(x)), items, workers=4, ahead=8, name="test"
+    )
     for one, other in zip(alone, ahead, strict=True):
         np.testing.assert_array_equal(one, other)

@@ -1,4 +1,7 @@
-"""Border: checkpoints of a map as npz files (arrays and JSON, no pickle)."""
+"""Border: a whole map as one npz file (arrays and JSON, no pickle).
+
+The checkpoints of `isr run` and the ``map.npz`` of `isr map` are such files.
+"""
 
 from __future__ import annotations
 
@@ -7,26 +10,33 @@ import json
 import os
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 
 from ..config import MappingSettings
-from ..errors import IsrError, MapError
+from ..errors import IsrError, MapError, OutputError
 from ..types import Camera
 from .kept_frames import KeptFrame, KeptFrames
-from .labels import LabelFusion
+from .labels import MapLabels
 from .pool import BLOCK_VOXELS, VoxelPool
 from .state import MapState
 
-FORMAT = 3
+FORMAT = 4
+"""Of the file; others are refused."""
 _COUNTERS = ("frames", "step")
 
 
 def save(mapper, path: Path) -> None:
-    """Write the whole state; the file appears whole or not at all."""
+    """Write the whole state; the file appears whole or not at all.
+
+    Raises:
+        MapError: a frame that waited gave too many labels.
+        OutputError: the file cannot be written.
+    """
     mapper.finish()
-    state, pool = mapper.state, mapper.fusion.pool
+    state, pool = mapper.state, mapper.integrator.pool
     used = state.blocks.used
     arrays = {
         "sdf_m": pool.sdf_m[:used],
@@ -43,31 +53,53 @@ def save(mapper, path: Path) -> None:
         "settings": dataclasses.asdict(mapper.settings),
         "camera": {f: getattr(mapper.camera, f) for f in ("fx", "fy", "cx", "cy")}
         | {"width": mapper.camera.width, "height": mapper.camera.height},
+        "T_world_dataset": mapper.T_world_dataset.tolist(),
         "capacity": state.blocks.capacity,
         "counters": {name: getattr(state, name) for name in _COUNTERS},
     }
     arrays |= _labels_out(state.labels)
     if mapper.kept is not None:
         arrays |= _kept_out(mapper.kept)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    _write(path, arrays | {"about": np.array(json.dumps(about))})
+
+
+def _write(path: Path, arrays: dict[str, Any]) -> None:
     partial = path.with_name(path.name + ".partial")
-    with partial.open("wb") as file:
-        np.savez(file, about=np.array(json.dumps(about)), **arrays)
-    os.replace(partial, path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with partial.open("wb") as file:
+            np.savez(file, **arrays)
+        os.replace(partial, path)
+    except OSError as error:
+        raise OutputError(
+            f"{path} cannot be written: {error}", "give a folder that can be written, with room"
+        ) from error
 
 
 def load(mapper_type, path: Path):
-    """The mapper of a checkpoint; raises `MapError` when the file is not one of ours."""
+    """The mapper of a saved map.
+
+    Raises:
+        MapError: the file is no saved map, or one of another release.
+    """
     try:
         with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
             stored = {name: file[name] for name in file.files}
         about = json.loads(str(stored["about"]))
         if about["format"] != FORMAT:
-            raise MapError(f"{path} has format {about['format']}, not {FORMAT}", "map anew")
-        mapper = mapper_type(Camera(**about["camera"]), MappingSettings(**about["settings"]))
+            raise MapError(
+                f"{path} was saved by another release of isr_jax: it has format "
+                f"{about['format']}, not {FORMAT}",
+                "map the sequence anew",
+            )
+        mapper = mapper_type(
+            Camera(**about["camera"]),
+            MappingSettings(**about["settings"]),
+            np.array(about["T_world_dataset"], np.float64).reshape(4, 4),
+        )
         for name in _COUNTERS:
             setattr(mapper.state, name, about["counters"][name])
-        mapper.fusion.pool = _restore_blocks(mapper.state, stored, about["capacity"])
+        mapper.integrator.pool = _restore_blocks(mapper.state, stored, about["capacity"])
         _restore_labels(mapper.state.labels, stored)
         if mapper.kept is not None:
             _restore_kept(mapper.kept, stored)
@@ -112,31 +144,32 @@ def _table(rows: list[tuple[int, ...]], width: int) -> np.ndarray:
     return np.array(sorted(rows), np.int64).reshape(-1, width)
 
 
-def _labels_out(fusion: LabelFusion) -> dict[str, np.ndarray]:
-    found = fusion.instances
-    counts = [(i, *k, n) for i, c in enumerate(fusion.counts) for k, n in c.items()]
+def _labels_out(labels: MapLabels) -> dict[str, np.ndarray]:
+    instances = labels.instances
+    counts = [(i, *k, n) for i, c in enumerate(labels.counts) for k, n in c.items()]
     return {
-        "canonical": fusion.canonical,
-        "frames_seen": np.array(fusion.frames_seen),
+        "canonical": labels.canonical,
+        "frames_seen": np.array(labels.frames_seen),
         "counts": _table(counts, 4),
-        "pair_frames": _table([(*k, n) for k, n in fusion.pair_frames.items()], 3),
-        "apart": _table([(*k, n) for k, n in found.apart.items()], 3),
-        "instances": np.array([found.class_of, found.into, found.frames]),
+        "pair_frames": _table([(*k, n) for k, n in labels.pair_frames.items()], 3),
+        "frames_apart": _table([(*k, n) for k, n in instances.frames_apart.items()], 3),
+        "instances": np.array([instances.class_of, instances.merged_into, instances.frames]),
     }
 
 
-def _restore_labels(fusion: LabelFusion, stored: dict[str, np.ndarray]) -> None:
-    fusion.canonical = stored["canonical"]
-    fusion.frames_seen = stored["frames_seen"].tolist()
-    fusion.counts = [{} for _ in fusion.frames_seen]
+def _restore_labels(labels: MapLabels, stored: dict[str, np.ndarray]) -> None:
+    labels.canonical = stored["canonical"]
+    labels.frames_seen = stored["frames_seen"].tolist()
+    labels.counts = [{} for _ in labels.frames_seen]
     for label, class_id, instance, n in stored["counts"].tolist():
-        fusion.counts[label][class_id, instance] = n
-    fusion.pair_frames = {(a, b): n for a, b, n in stored["pair_frames"].tolist()}
-    fusion.instances.apart = {(a, b): n for a, b, n in stored["apart"].tolist()}
+        labels.counts[label][class_id, instance] = n
+    labels.pair_frames = {(a, b): n for a, b, n in stored["pair_frames"].tolist()}
+    instances = labels.instances
+    instances.frames_apart = {(a, b): n for a, b, n in stored["frames_apart"].tolist()}
     columns = stored["instances"].tolist()
-    fusion.instances.class_of, fusion.instances.into, fusion.instances.frames = columns
-    for label, triplets in enumerate(fusion.counts):
-        fusion.shares.rewrite(label, triplets)
+    instances.class_of, instances.merged_into, instances.frames = columns
+    for label, triplets in enumerate(labels.counts):
+        labels.shares.rewrite(label, triplets)
 
 
 def _kept_out(kept: KeptFrames) -> dict[str, np.ndarray]:

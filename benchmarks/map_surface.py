@@ -21,8 +21,8 @@ _REPEATS = 3
 
 def surface_figures(film: Filmed, settings: MappingSettings) -> list[Figure]:
     """All of the surface, the surface after one more frame, and the peers' of the same frames."""
-    _fused(film, settings).surface()  # compiles
-    mapper = _fused(film, settings)
+    _mapped(film, settings).surface()  # compiles
+    mapper = _mapped(film, settings)
     whole_s = _seconds(mapper.surface)
     mapper.integrate(*film.frames[0])
     again_s = _seconds(mapper.surface)
@@ -45,7 +45,7 @@ def _seconds(work: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def _fused(film: Filmed, settings: MappingSettings) -> PanopticMapper:
+def _mapped(film: Filmed, settings: MappingSettings) -> PanopticMapper:
     mapper = PanopticMapper(film.sequence.camera, settings)
     for frame, segments in film.frames:
         mapper.integrate(frame, segments)

@@ -14,11 +14,11 @@ from isr_jax.runtime.caches import enable_compilation_cache
 
 from .bandwidth import copy_bytes_per_s
 from .figures import Figure, Stopwatch, note, show
-from .filmed import Filmed, FusedFrames, filmed_room, integrated, without_segments
-from .fusion_growth import growth_figures
-from .fusion_memory import changed_blocks, memory_figures, traffic_figures
-from .fusion_surface import surface_figures
+from .filmed import Filmed, SegmentedFrames, filmed_room, integrated, without_segments
 from .live_loop import kitchen_figures, live_figures
+from .map_growth import growth_figures
+from .map_memory import changed_blocks, memory_figures, traffic_figures
+from .map_surface import surface_figures
 from .open3d_peer import BLOCK_SIDES, HOW_TO_GET, Open3dMap, is_installed
 
 _RATIO, _LABEL_PERCENT = 2.0, 30.0
@@ -26,16 +26,16 @@ _RATIO, _LABEL_PERCENT = 2.0, 30.0
 _FINE_M = 0.02
 """They are made for voxels up to this size."""
 _Ready = Callable[[], Callable[[], object]]
-"""Makes an empty map; what it returns fuses the film into it."""
+"""Makes an empty map; what it returns integrates the film into it."""
 _Peer = Callable[[], Open3dMap]
 _OURS, _BARE = "ours", "ours, nothing to label"
 _PASSES = 5
-"""Films that each fuses, each time from nothing."""
+"""Films that each integrates, each time from nothing."""
 _REST_S = 0.3
 """Before each turn: the threads of the one before may wait for work in a busy loop."""
 
 
-def fusion(
+def mapping(
     voxels_m: tuple[float, ...] = (0.01, 0.02, 0.05),
     frames: int = 64,
     variants: tuple[str, ...] = ("mapping.carve=false", "mapping.frames_per_step=4"),
@@ -47,12 +47,12 @@ def fusion(
     height: int = 480,
     seed: int = 7,
 ) -> None:
-    """Time voxel fusion of a film of a furnished room, in turns with Open3D.
+    """Time the mapping of a film of a furnished room, in turns with Open3D.
 
     Ours does everything: marks and allocates blocks, updates geometry and colour, frees what is
     seen through, votes, counts labels, decides on classes and instances. Open3D's VoxelBlockGrid
     finds and allocates blocks and updates geometry alone; its better block size is the peer.
-    Kernels are compiled before the clock starts. Each fuses the whole film from nothing, in turn,
+    Kernels are compiled before the clock starts. Each maps the whole film from nothing, in turn,
     several times; figures are means over the frames, growth of the maps included, of the median
     pass.
     The promises are about wall times: run this on a machine that does nothing else. Core times (of
@@ -65,7 +65,7 @@ def fusion(
         surface: Time the extraction of the surface too, beside Open3D's and scikit-image's.
         live: Time the parts of the live loop at 2 cm, and the whole; also on a real kitchen with
             YOLOX and DeepLab, where $ISR_SHARED_DATA has them.
-        long: Fuse so many frames of room after room; compare early and late ones. 0 = not.
+        long: Integrate so many frames of room after room; compare early and late ones. 0 = not.
         long_voxel_m: Size of the voxels there, metres.
         width: Of the images, pixels.
         height: Of the images, pixels.
@@ -82,7 +82,7 @@ def fusion(
             title = f"{100 * voxel_m:g} cm voxels, {size}"
             base = _settings(voxel_m)
             others = {variant: _settings(voxel_m, variant) for variant in variants}
-            show(f"fusion, {title}", _fusion_figures(film, base, others, bytes_per_s))
+            show(f"mapping, {title}", _mapping_figures(film, base, others, bytes_per_s))
             if surface:
                 show(f"surface, {title}", surface_figures(film, base))
         if live:
@@ -101,7 +101,7 @@ def _settings(voxel_m: float, *overrides: str) -> MappingSettings:
     return with_overrides(preset("default"), changes).mapping
 
 
-def _fusion_figures(
+def _mapping_figures(
     film: Filmed,
     settings: MappingSettings,
     variants: dict[str, MappingSettings],
@@ -119,7 +119,7 @@ def _fusion_figures(
     figures, wall_ms = [], watch.ms(_OURS)
     for core in (False, True):
         ms = {name: watch.ms(name, core=core) for name in work}
-        unit = "core ms a frame" if core else "ms a frame"
+        unit = "core ms per frame" if core else "ms per frame"
         figures += [Figure(name, value, unit, "lower") for name, value in ms.items()]
         labels_ms = watch.extra_ms(_OURS, _BARE, core=core)
         figures += _ratios(ms, labels_ms, list(peers), settings, core=core)
@@ -152,9 +152,9 @@ def _in_turn(work: dict[str, _Ready], frames: int) -> Stopwatch:
     watch, names = Stopwatch(), list(work)
     for turn in range(_PASSES):
         for name in names[turn:] + names[:turn]:
-            fuse = work[name]()
+            map_film = work[name]()
             time.sleep(_REST_S)
-            watch.time(name, fuse, items=frames)
+            watch.time(name, map_film, items=frames)
     return watch
 
 
@@ -162,7 +162,7 @@ def _mapper(film: Filmed, settings: MappingSettings) -> PanopticMapper:
     return PanopticMapper(film.sequence.camera, settings)
 
 
-def _ours(film: Filmed, settings: MappingSettings, frames: FusedFrames) -> _Ready:
+def _ours(film: Filmed, settings: MappingSettings, frames: SegmentedFrames) -> _Ready:
     return lambda: partial(integrated, _mapper(film, settings), frames)
 
 
@@ -176,11 +176,11 @@ def _peers(film: Filmed, settings: MappingSettings) -> dict[str, Callable[[], _P
         peer = Open3dMap(film.sequence.camera, side, *lengths)
         prepared = [peer.prepared(frame) for frame, _ in film.frames]
 
-        def fuse() -> Open3dMap:
+        def map_film() -> Open3dMap:
             for one in prepared:
                 peer.integrate(one)
             return peer
 
-        return fuse
+        return map_film
 
     return {f"Open3D, {side}^3 blocks": partial(ready, side) for side in BLOCK_SIDES}

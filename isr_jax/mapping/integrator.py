@@ -1,4 +1,4 @@
-"""One step of one or more maps: the kernels in turn, and the lists of blocks they work on.
+"""The integrator: frames into one or more maps, the kernels in turn, and their lists of blocks.
 
 Geometry and colour of all frames of the step come first, in one call. Labels follow frame by
 frame, since a frame's segments are named by the labels that the frames before it left.
@@ -15,22 +15,23 @@ from jaxtyping import Int, UInt16
 
 from ..errors import MapError
 from ..types import Array, Camera
-from . import ballots, fuse, label_slots
+from . import ballots, label_slots, voxel_kernel
 from .ballots import CHUNK_VOXELS
 from .packing import join_frames
 from .pool import BLOCK_VOXELS, OutOfMemory, VoxelPool, grown_pool, with_labels
 from .state import MapState, ReadyFrame
 from .votes import count_votes
+from .voxel_kernel import ChunkedBlocks, MapScale
 
 _MAX_VOXELS = (1 << 31) - 1
 """Voxels of a step: int32 counts them."""
 _STEPS_AHEAD = 2
-"""Steps that may be under way when another begins: one is fused, one gets its labels."""
+"""Steps that may be under way when another begins: one in the voxels, one in the labels."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class _Chunks:
-    """Rows (or places) of several maps, each map's filled up to whole chunks."""
+    """Rows (or voxels) of several maps, each map's filled up to whole chunks."""
 
     rows: Int[np.ndarray, " blocks"]
     """Padding lies out of range, each entry once."""
@@ -41,7 +42,7 @@ class _Chunks:
 
 
 def _chunked(parts: list[np.ndarray], out_of_range: int, chunk: int) -> _Chunks:
-    """Lists of rows, one a map, in a power of two of chunks."""
+    """Lists of rows, one per map, in a power of two of chunks."""
     counts = [-(-len(part) // chunk) for part in parts]
     total = sum(counts)
     size = 1 << max(total - 1, 0).bit_length()
@@ -67,39 +68,38 @@ class _Step:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class _Seen:
-    """What the voxels of a step saw (see `fuse.fuse_blocks`)."""
+class _Observed:
+    """What the voxels of a step saw (see `voxel_kernel.integrate_frames`)."""
 
-    hits: UInt16[Array, "frames blocks 512"]
+    observations: UInt16[Array, "frames blocks 512"]
     flags: UInt16[np.ndarray, "frames blocks"]
 
 
-class Fusion:
-    """Owns the voxels of one or more maps, and fuses ready frames into them.
+class Integrator:
+    """Owns the voxels of one or more maps, and integrates ready frames into them.
 
-    Two threads work behind `fuse`, and the map is the same as without them: geometry does not ask
-    for labels, so the voxels of one step are fused while the labels of the one before are counted
-    and the caller prepares the next.
+    Two threads work behind `integrate`, and the map is the same as without them: geometry does not
+    ask for labels, so the voxels of one step are updated while the labels of the one before are
+    counted and the caller prepares the next.
 
     Args:
         pool: Voxels of the maps, one map's rows after the other's.
         parts: Number of maps.
     """
 
-    def __init__(
-        self, camera: Camera, scale: fuse.FusionScale, pool: VoxelPool, parts: int = 1
-    ) -> None:
+    def __init__(self, camera: Camera, scale: MapScale, pool: VoxelPool, parts: int = 1) -> None:
         self.camera, self.scale, self.parts = camera, scale, parts
         self._voxels, self._labels = _without_labels(pool), pool.labels
-        self._chunk_blocks = fuse.chunk_blocks(pool)
-        self._spare_hits: list[UInt16[Array, "frames blocks 512"]] = []
-        self._fuser = ThreadPoolExecutor(1, thread_name_prefix="voxels")
-        self._labeller = ThreadPoolExecutor(1, thread_name_prefix="labels")
-        self._under_way: collections.deque[tuple[Future[_Seen], Future[None]]] = collections.deque()
+        self._chunk_blocks = voxel_kernel.chunk_blocks(pool)
+        self._spare: list[UInt16[Array, "frames blocks 512"]] = []
+        self._voxel_thread = ThreadPoolExecutor(1, thread_name_prefix="voxels")
+        self._label_thread = ThreadPoolExecutor(1, thread_name_prefix="labels")
+        self._under_way: collections.deque[tuple[Future[_Observed], Future[None]]]
+        self._under_way = collections.deque()
 
     @property
     def pool(self) -> VoxelPool:
-        """The voxels, once all steps are fused and their labels counted."""
+        """The voxels, once all steps are integrated and their labels counted."""
         self.join()
         return with_labels(self._voxels, self._labels)
 
@@ -114,7 +114,11 @@ class Fusion:
         return self._voxels.capacity // self.parts
 
     def reserve(self, capacity: int) -> None:
-        """Room for ``capacity`` rows a map; raises `OutOfMemory`, the maps as they were."""
+        """Room for ``capacity`` rows per map.
+
+        Raises:
+            OutOfMemory: there is none; the maps are as they were.
+        """
         if capacity <= self.capacity:
             return
         try:
@@ -123,58 +127,62 @@ class Fusion:
             self.pool = error.kept
             raise
 
-    def fuse(self, states: list[MapState], frames: list[list[ReadyFrame]]) -> None:
-        """Fuse the frames of each map, equally many, in the background.
+    def integrate(self, states: list[MapState], frames: list[list[ReadyFrame]]) -> None:
+        """Integrate the frames of each map, equally many, in the background.
 
-        What goes wrong there is raised by the next call that waits for it: `fuse`, `join`, `pool`.
-        Whatever `fuse` raises, as `MapError` for too many voxels in one step, these frames are
-        not fused.
+        What goes wrong there is raised by the next call that waits for it: `integrate`, `join`,
+        `pool`. Whatever `integrate` raises, these frames are not in the maps.
+
+        Raises:
+            MapError: too many voxels in one step, or what a step before this one ran into.
         """
         step, images, blocks, local_m = self._step(states, frames)
         self._wait(_STEPS_AHEAD)
-        hits = self._spare_hits.pop() if self._spare_hits else None
-        fusing = self._fuser.submit(self._fuse_voxels, hits, images, blocks, local_m)
-        labelling = self._labeller.submit(self._label_step, step, fusing)
-        self._under_way.append((fusing, labelling))
+        spare = self._spare.pop() if self._spare else None
+        voxels = self._voxel_thread.submit(self._update_voxels, spare, images, blocks, local_m)
+        labels = self._label_thread.submit(self._label_step, step, voxels)
+        self._under_way.append((voxels, labels))
         for state in states:
             state.frames += len(frames[0])
 
     def join(self) -> None:
-        """Wait until all steps are fused and their labels counted."""
+        """Wait until all steps are integrated and their labels counted."""
         self._wait(0)
 
     def _wait(self, steps: int) -> None:
         """Until so many steps are under way; the first error ends them all."""
         while len(self._under_way) > steps:
-            fusing, labelling = self._under_way.popleft()
-            if (error := labelling.exception()) is not None:
-                wait([labelling for _, labelling in self._under_way])
+            voxels, labels = self._under_way.popleft()
+            if (error := labels.exception()) is not None:
+                wait([later for _, later in self._under_way])
                 self._under_way.clear()
                 raise error
-            self._spare_hits.append(fusing.result().hits)
+            self._spare.append(voxels.result().observations)
 
-    def settle(self, state: MapState) -> None:
+    def renumber(self, state: MapState) -> None:
         """Write today's label numbers into all voxels of a map."""
         self.join()
-        self._settle(state)
+        self._renumber(state)
 
-    def _settle(self, state: MapState) -> None:
-        if state.renaming.pending:
+    def _renumber(self, state: MapState) -> None:
+        if state.renumbering.pending:
             state.step += 1
-            self._labels = state.renaming.settle(self._labels, state)
+            self._labels = state.renumbering.renumber_all(
+                self._labels, state.blocks, state.first_row
+            )
 
     def _forget_labels(self, state: MapState) -> None:
         """Free the numbers of labels that no voxel bears first."""
-        self._settle(state)
+        self._renumber(state)
         rows = np.array([state.first_row, state.blocks.used], np.int32)
         size = 1 << (state.labels.label_count - 1).bit_length()
         leads = np.asarray(label_slots.leading_somewhere(self._labels[0], rows, size))
         new_label = state.labels.forget(leads[: state.labels.label_count])
         if new_label is not None:
-            state.renaming.rename(new_label)
+            state.renumbering.add(new_label)
 
     def _step(self, states: list[MapState], frames: list[list[ReadyFrame]]):
-        """A step, and what its voxels are fused from: the union of the blocks of its frames."""
+        """A step, and what updates its voxels: the union of the blocks of its frames."""
         count = len(frames[0])
         unions = [_union([frame.rows for frame in of_map]) for of_map in frames]
         parts = [rows + state.first_row for (rows, _), state in zip(unions, states, strict=True)]
@@ -182,8 +190,8 @@ class Fusion:
         voxels = count * len(chunks.rows) * BLOCK_VOXELS
         if voxels > _MAX_VOXELS:
             raise MapError(
-                f"one step would fuse {voxels} voxels, at most {_MAX_VOXELS}",
-                "fuse fewer maps in a batch, or lower MappingSettings.frames_per_step",
+                f"one step would update {voxels} voxels, at most {_MAX_VOXELS}",
+                "integrate into fewer maps per batch, or lower MappingSettings.frames_per_step",
             )
         base_m = np.zeros((count, 3, len(chunks.rows)), np.float32)
         active = np.zeros((count, len(chunks.rows)), bool)
@@ -193,44 +201,47 @@ class Fusion:
             active[:, span] = touched
             for k, frame in enumerate(of_map):
                 T, voxel_m = frame.T_camera_world, self.scale.voxel_m
-                base_m[k, :, span] = fuse.voxel_corners(T, state.blocks.coords[rows], voxel_m)
-                local_m[i, k] = fuse.voxel_places(T, voxel_m)
+                coords = state.blocks.coords[rows]
+                base_m[k, :, span] = voxel_kernel.block_corners_in_camera(T, coords, voxel_m)
+                local_m[i, k] = voxel_kernel.voxel_centers_in_camera(T, voxel_m)
         images = [frame.packed for of_map in frames for frame in of_map]
-        blocks = fuse.ChunkedBlocks(chunks.rows, base_m, active, chunks.owner, chunks.chunks)
+        blocks = ChunkedBlocks(chunks.rows, base_m, active, chunks.owner, chunks.chunks)
         first = [state.frames for state in states]
         return _Step(states, frames, first, chunks), images, blocks, local_m
 
-    def _fuse_voxels(self, hits, images, blocks: fuse.ChunkedBlocks, local_m) -> _Seen:
-        """Geometry of all frames of a step; ``hits`` is storage, if it is of the right size."""
+    def _update_voxels(self, spare, images, blocks: ChunkedBlocks, local_m) -> _Observed:
+        """Geometry of all frames of a step; ``spare`` is storage, if it is of the right size."""
         packed = images[0] if len(images) == 1 else join_frames(images)
-        if hits is None or hits.shape[:2] != blocks.active.shape:
-            hits = fuse.fresh_hits(*blocks.active.shape)
-        self._voxels, hits, flags = fuse.fuse_frames(
-            self._voxels, hits, packed, blocks, local_m, self.camera, self.scale
+        if spare is None or spare.shape[:2] != blocks.active.shape:
+            spare = voxel_kernel.empty_observations(*blocks.active.shape)
+        self._voxels, observations, flags = voxel_kernel.integrate_frames(
+            self._voxels, spare, packed, blocks, local_m, self.camera, self.scale
         )
-        return _Seen(hits, np.asarray(flags))
+        return _Observed(observations, np.asarray(flags))
 
-    def _label_step(self, step: _Step, fusing: Future[_Seen]) -> None:
-        """Labels of all frames of a step, once its voxels are fused."""
-        seen = fusing.result()
+    def _label_step(self, step: _Step, voxels: Future[_Observed]) -> None:
+        """Labels of all frames of a step, once its voxels are up to date."""
+        observed = voxels.result()
         for k in range(len(step.frames[0])):
-            self._label(step, seen, k)
+            self._label(step, observed, k)
         for state in step.states:
-            if state.renaming.is_long:
-                self._settle(state)
+            if state.renumbering.is_long:
+                self._renumber(state)
 
-    def _label(self, step: _Step, seen: _Seen, k: int) -> None:
+    def _label(self, step: _Step, observed: _Observed, k: int) -> None:
         """Votes of frame ``k`` of each map, names of its segments, counts of its voxels."""
-        chunks, flags = step.chunks, seen.flags[k]
+        chunks, flags = step.chunks, observed.flags[k]
         frames = [of_map[k] for of_map in step.frames]
         for state, frame, span in zip(step.states, frames, chunks.spans, strict=True):
             rows = chunks.rows[span] - state.first_row
             state.step += 1
-            state.blocks.generation[frame.new_rows] = state.renaming.generation
-            state.blocks.stamp[rows[(flags[span] & fuse.CHANGED) > 0]] = state.step
-            to_label = rows[flags[span] >= fuse.LABELLED]
-            self._labels = state.renaming.freshen(self._labels, state, to_label)
-        voxels, labelled, votes = self._votes(step, seen.hits, k)
+            state.blocks.generation[frame.new_rows] = state.renumbering.generation
+            state.blocks.stamp[rows[(flags[span] & voxel_kernel.CHANGED) > 0]] = state.step
+            to_label = rows[flags[span] >= voxel_kernel.LABELLED]
+            self._labels = state.renumbering.renumber_rows(
+                self._labels, state.blocks, state.first_row, to_label
+            )
+        voxels, labelled, votes = self._votes(step, observed.observations, k)
         label_of = [
             state.labels.name_segments(found, frame.class_id, frame.instance)
             for state, frame, found in zip(step.states, frames, votes, strict=True)
@@ -242,16 +253,18 @@ class Fusion:
             if state.is_crowded(number):
                 self._forget_labels(state)
 
-    def _votes(self, step: _Step, hits: UInt16[Array, "frames blocks 512"], k: int):
+    def _votes(self, step: _Step, observations: UInt16[Array, "frames blocks 512"], k: int):
         """The voxels of each map that frame ``k`` labels, what they saw, and their votes."""
-        seen, blocks = np.asarray(hits)[k], step.chunks
-        parts = [ballots.labelled(seen[s]) + s.start * BLOCK_VOXELS for s in blocks.spans]
-        voxels = _chunked(parts, seen.size, CHUNK_VOXELS)
+        of_frame, blocks = np.asarray(observations)[k], step.chunks
+        parts = [
+            ballots.labelled_voxels(of_frame[s]) + s.start * BLOCK_VOXELS for s in blocks.spans
+        ]
+        voxels = _chunked(parts, of_frame.size, CHUNK_VOXELS)
         canonical = [state.labels.canonical for state in step.states]
         labels = np.array([len(known) for known in canonical], np.uint32)[voxels.owner]
         frame, chunks = np.array(k, np.int32), voxels.chunks
         labelled, cast = ballots.cast_votes(
-            self._labels[0], hits, frame, blocks.rows, voxels.rows, labels, chunks
+            self._labels[0], observations, frame, blocks.rows, voxels.rows, labels, chunks
         )
         cast = np.asarray(cast)
         votes = [
@@ -261,7 +274,7 @@ class Fusion:
         return voxels, labelled, votes
 
     def _count(
-        self, voxels: _Chunks, labelled: ballots.SeenVoxels, label_of: list[np.ndarray]
+        self, voxels: _Chunks, labelled: ballots.LabelledVoxels, label_of: list[np.ndarray]
     ) -> None:
         """Voxels that need their first slots alone, then the others."""
         total = sum(len(names) for names in label_of)

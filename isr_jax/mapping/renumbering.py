@@ -1,28 +1,24 @@
 """Map labels get new numbers without walking the whole map.
 
-A renaming makes a new generation of numbers. Blocks keep the generation in which their labels are
-written, and are rewritten when a frame next labels them, or all at once before the map is read.
-So the time a frame does not grow with the map, and a number that went free may be given again.
+Each renumbering makes a new generation of numbers. Blocks keep the generation in which their labels
+are written, and are rewritten when a frame next labels them, or all at once before the map is read.
+So the time per frame does not grow with the map, and a number that went free may be given again.
 """
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Int
 
 from . import label_slots
+from .blocks import BlockIndex
 from .pool import ROW_MULTIPLE, LabelSlots
 
-if TYPE_CHECKING:
-    from .state import MapState
-
 _MOST_GENERATIONS = 64
-"""So many pending renamings are written out; they would be slow to compose."""
+"""So many pending renumberings are written out; they would be slow to compose."""
 
 
-class Renaming:
+class Renumbering:
     """Generations of label numbers: from each that some block may bear to today's."""
 
     def __init__(self) -> None:
@@ -39,19 +35,30 @@ class Renaming:
         """Whether it is time to write all blocks."""
         return self.pending >= _MOST_GENERATIONS
 
-    def rename(self, new_label: Int[np.ndarray, " labels"]) -> None:
+    def add(self, new_label: Int[np.ndarray, " labels"]) -> None:
         """From now on label ``i`` is ``new_label[i]``."""
         self._to_now = {g: new_label[table] for g, table in self._to_now.items()}
         self._to_now[self.generation] = np.asarray(new_label)
         self.generation += 1
 
-    def freshen(
-        self, labels: LabelSlots, state: MapState, rows: Int[np.ndarray, " blocks"]
+    def renumber_rows(
+        self,
+        labels: LabelSlots,
+        blocks: BlockIndex,
+        first_row: int,
+        rows: Int[np.ndarray, " blocks"],
     ) -> LabelSlots:
-        """Today's labels in these rows of a map; takes the storage of ``labels``."""
+        """Today's labels in these rows of a map; takes the storage of ``labels``.
+
+        Args:
+            labels: Of the pool.
+            blocks: Of the map.
+            first_row: Of the map in the pool.
+            rows: Of the map.
+        """
         if not self._to_now:
             return labels
-        of_row = state.blocks.generation[rows]
+        of_row = blocks.generation[rows]
         stale = rows[of_row < self.generation]
         if not len(stale):
             return labels
@@ -59,18 +66,19 @@ class Renaming:
         tables = _padded_tables([self._to_now[g] for g in generations])
         size = max(ROW_MULTIPLE, 1 << (len(stale) - 1).bit_length())
         padded = len(labels[0]) + np.arange(size, dtype=np.int32)
-        padded[: len(stale)] = stale + state.first_row
+        padded[: len(stale)] = stale + first_row
         table_of = np.zeros(size, np.int32)
-        table_of[: len(stale)] = np.searchsorted(generations, state.blocks.generation[stale])
-        labels = label_slots.relabel(
+        table_of[: len(stale)] = np.searchsorted(generations, blocks.generation[stale])
+        labels = label_slots.renumber_slots(
             labels, tables, padded, table_of, np.array(len(stale), np.int32)
         )
-        state.blocks.generation[stale] = self.generation
+        blocks.generation[stale] = self.generation
         return labels
 
-    def settle(self, labels: LabelSlots, state: MapState) -> LabelSlots:
+    def renumber_all(self, labels: LabelSlots, blocks: BlockIndex, first_row: int) -> LabelSlots:
         """Today's labels in all rows of a map; takes the storage of ``labels``."""
-        labels = self.freshen(labels, state, np.arange(state.blocks.used, dtype=np.int32))
+        used = np.arange(blocks.used, dtype=np.int32)
+        labels = self.renumber_rows(labels, blocks, first_row, used)
         self._to_now = {}
         return labels
 

@@ -1,4 +1,4 @@
-"""Whether the time a frame grows with the map: a film again and again, each in a further room."""
+"""Whether the time per frame grows with the map: a film again and again, each in a further room."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from isr_jax.types import Frame
 
 from .figures import Figure
 from .filmed import Filmed, integrated
-from .fusion_memory import map_bytes
+from .map_memory import map_bytes
 
 _PITCH_M = 10.0
 """From room to room: no furnished room is as long."""
@@ -26,7 +26,7 @@ _GROWTH = 1.1
 
 
 def growth_figures(film: Filmed, settings: MappingSettings, count: int) -> list[Figure]:
-    """Time a frame in the second tenth of a long way (all is compiled by then) and in the last."""
+    """Time per frame in the second tenth of a long way (all is compiled then) and in the last."""
     settings = dataclasses.replace(settings, max_blocks=_MAX_BLOCKS)
     mapper, seconds, used = PanopticMapper(film.sequence.camera, settings), [], []
     for index in range(count):
@@ -42,8 +42,8 @@ def growth_figures(film: Filmed, settings: MappingSettings, count: int) -> list[
         1000 * float(np.median(part)) for part in (seconds[tenth : 2 * tenth], seconds[-tenth:])
     )
     return [
-        Figure("early frames", early, "ms a frame", "lower"),
-        Figure("late frames", late, "ms a frame", "lower"),
+        Figure("early frames", early, "ms per frame", "lower"),
+        Figure("late frames", late, "ms per frame", "lower"),
         Figure("late / early", late / early, "x", "lower", _GROWTH),
         Figure("slowest late frame", 1000 * max(seconds[-tenth:]), "ms", "lower"),
         Figure("blocks of the map early", used[min(tenth, count - 1)], "blocks", "lower"),

@@ -9,16 +9,16 @@ from isr_jax.mapping import PanopticMapper
 from isr_jax.mapping.pool import BLOCK_VOXELS
 
 from .figures import Figure
-from .filmed import FusedFrames
+from .filmed import SegmentedFrames
 from .open3d_peer import Open3dMap
 
-_BYTES_A_VOXEL = 32.0
+_BYTES_PER_VOXEL = 32.0
 """The promise."""
-_BYTES_A_PIXEL = 4 + 3 + 4
+_BYTES_PER_PIXEL = 4 + 3 + 4
 """Depth, colour and segment."""
 
 
-def bytes_a_voxel(mapper: PanopticMapper) -> float:
+def bytes_per_voxel(mapper: PanopticMapper) -> float:
     """Of all fields of the pool, colours and labels among them."""
     fields = jax.tree.leaves(mapper.pool)
     return sum(field.nbytes for field in fields) / (mapper.pool.capacity * BLOCK_VOXELS)
@@ -27,11 +27,11 @@ def bytes_a_voxel(mapper: PanopticMapper) -> float:
 def map_bytes(mapper: PanopticMapper) -> float:
     """Of the blocks in use and of the grid that finds them."""
     voxels = mapper.blocks.used * BLOCK_VOXELS
-    return voxels * bytes_a_voxel(mapper) + mapper.blocks.grid.nbytes
+    return voxels * bytes_per_voxel(mapper) + mapper.blocks.grid.nbytes
 
 
-def changed_blocks(frames: FusedFrames, mapper: PanopticMapper) -> list[int]:
-    """Fuse the frames; how many blocks each of them changed."""
+def changed_blocks(frames: SegmentedFrames, mapper: PanopticMapper) -> list[int]:
+    """Integrate the frames; how many blocks each of them changed."""
     changed = []
     for frame, segments in frames:
         mapper.integrate(frame, segments)
@@ -42,10 +42,10 @@ def changed_blocks(frames: FusedFrames, mapper: PanopticMapper) -> list[int]:
 
 
 def memory_figures(mapper: PanopticMapper, peers: dict[str, Open3dMap]) -> list[Figure]:
-    """Bytes a voxel, and the size of the map and of the peers'."""
+    """Bytes per voxel, and the size of the map and of the peers'."""
     sizes = {"ours": map_bytes(mapper)} | {name: peer.nbytes for name, peer in peers.items()}
     return [
-        Figure("ours", bytes_a_voxel(mapper), "bytes a voxel", "lower", _BYTES_A_VOXEL),
+        Figure("ours", bytes_per_voxel(mapper), "bytes per voxel", "lower", _BYTES_PER_VOXEL),
         *(Figure(f"map, {name}", size / 1e6, "MB", "lower") for name, size in sizes.items()),
     ]
 
@@ -59,15 +59,15 @@ def traffic_figures(
         mapper: Ours.
         blocks: That a frame changes.
         bytes_per_s: Read and written by a copy on this machine.
-        ms: Time a frame.
+        ms: Time per frame.
     """
     pixels = mapper.camera.width * mapper.camera.height
-    moved = 2 * blocks * BLOCK_VOXELS * bytes_a_voxel(mapper) + pixels * _BYTES_A_PIXEL
+    moved = 2 * blocks * BLOCK_VOXELS * bytes_per_voxel(mapper) + pixels * _BYTES_PER_PIXEL
     least_ms = 1000 * moved / bytes_per_s
     return [
-        Figure("blocks changed", blocks, "a frame", "lower"),
-        Figure("bytes moved at least", moved / 1e6, "MB a frame", "lower"),
+        Figure("blocks changed", blocks, "per frame", "lower"),
+        Figure("bytes moved at least", moved / 1e6, "MB per frame", "lower"),
         Figure("copy bandwidth, read and written", bytes_per_s / 1e9, "GB/s", "higher"),
-        Figure("bound of that bandwidth", least_ms, "ms a frame", "lower"),
+        Figure("bound of that bandwidth", least_ms, "ms per frame", "lower"),
         Figure("ours / bound", ms / least_ms, "x", "lower"),
     ]

@@ -1,25 +1,26 @@
-"""The voxel kernel: depth and colour of some frames fused into the blocks that they touch.
+"""The voxel kernel: depth and colour of some frames, integrated into the blocks that they touch.
 
 Measured rules shape this module:
 
 - Intermediate values are written into scratch arrays that the loop carries. That keeps XLA from
   fusing index computation with gathers (not vectorised then: 1.8 times slower), and from splitting
-  each of a chunk's small kernels over all cores: on two cores that took a half more core time,
-  and little less time. The other cores count labels, decode and segment.
+  each of a chunk's small kernels over all cores: on two cores that took half as much core time
+  again, and little less time. The other cores count labels, decode and segment.
 - A loop over chunks of blocks, as many as there are: temporaries stay in a core's cache, and
   padding costs nothing.
-- Donated pools: a fresh pool a frame costs more than the fusion.
+- Donated pools: a fresh pool per frame costs more than the integration.
 - The frames of a step in the inner loop, so that a block is read and written once for all of them.
 
-A chunk belongs to one map: several maps fuse in one call as chunks of one stacked pool.
+A chunk belongs to one map: one call integrates into several maps, as chunks of one stacked pool.
 
 The limit: a voxel of an active block moves 26 bytes (distance, weight and colour read and written,
-its hit written), 1.7 ns of the 4.5 ns that it takes on one core.
+its observation written), 1.7 ns of the 4.5 ns that it takes on one core.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 
 import equinox as eqx
 import jax
@@ -28,13 +29,13 @@ import numpy as np
 from jax import lax
 from jaxtyping import Bool, Float, Int, UInt16
 
-from ..runtime.wide_vectors import platform_of, wide_jit
+from ..runtime.wide_vectors import jit_wide_vectors, platform_of
 from ..types import Array, Camera
 from .packing import DEPTH_STEP_M, SEGMENT_BITS, SEGMENT_MASK, PackedFrames
 from .pool import BLOCK_SIDE, BLOCK_VOXELS, VOXEL_OFFSETS, VoxelPool
 
 _CHUNK_CPU = 32
-"""Blocks a step: 64 KB of each temporary. A quarter as many are as fast, twice as many slower."""
+"""Blocks per chunk: 64 KB per temporary. A quarter as many are as fast, twice as many slower."""
 _CHUNK_ELSEWHERE = 512
 """More where each call of a kernel costs time; not measured."""
 NEAR_M = 0.05
@@ -43,16 +44,16 @@ _OUT_OF_VIEW_M = 1e6
 """Behind any return."""
 
 CHANGED = 1
-"""Bit of a hit: distance or colour changed (more weight on free space is no change)."""
+"""Bit of an observation: distance or colour changed (more weight on free space is no change)."""
 VOTES = 2
-"""Bit of a hit: the voxel lies within a voxel of the surface; its label votes."""
+"""Bit of an observation: the voxel lies within a voxel of the surface; its label votes."""
 SEGMENT_SHIFT = 2
 """Above these bits: the segment where the voxel is to be labelled, else 0."""
 LABELLED = 1 << SEGMENT_SHIFT
-"""The least hit of a voxel that is to be labelled."""
+"""The least observation of a voxel that is to be labelled."""
 
 
-class FusionScale(eqx.Module):
+class MapScale(eqx.Module):
     """Lengths and caps that only scale things; changing them compiles nothing."""
 
     voxel_m: float
@@ -64,7 +65,7 @@ class FusionScale(eqx.Module):
 @jax.tree_util.register_dataclass
 @dataclasses.dataclass(frozen=True, eq=False)
 class ChunkedBlocks:
-    """Blocks to fuse, in chunks of equal size: ``chunks`` true ones, the rest is padding."""
+    """Blocks to update, in chunks of equal size: ``chunks`` true ones, the rest is padding."""
 
     rows: Int[Array, " blocks"]
     """Rows of the pool; padding lies out of range."""
@@ -77,19 +78,19 @@ class ChunkedBlocks:
     chunks: Int[Array, ""]
 
 
-def voxel_corners(
+def block_corners_in_camera(
     T_camera_world: Float[np.ndarray, "4 4"], coords: Int[np.ndarray, "blocks 3"], voxel_m: float
 ) -> Float[np.ndarray, "3 blocks"]:
-    """Lower corners of blocks in the camera, metres; in float64, so far maps stay exact."""
+    """Lower corners of blocks in the camera frame, metres; in float64, so far maps stay exact."""
     side = voxel_m * BLOCK_SIDE
     R, t = T_camera_world[:3, :3], T_camera_world[:3, 3]
     return ((coords * side) @ R.T + t).T.astype(np.float32)
 
 
-def voxel_places(
+def voxel_centers_in_camera(
     T_camera_world: Float[np.ndarray, "4 4"], voxel_m: float
 ) -> Float[np.ndarray, "3 512"]:
-    """Voxel centres from the lower corner of their block, in camera axes, metres."""
+    """Voxel centres from the lower corner of their block, along the camera's axes, metres."""
     return (((VOXEL_OFFSETS + 0.5) * voxel_m) @ T_camera_world[:3, :3].T).T.astype(np.float32)
 
 
@@ -108,7 +109,7 @@ def pixel_of(x, y, z, camera: Camera):
     return index, z, inverse, jnp.sqrt(1.0 + xn * xn + yn * yn)
 
 
-def observation_weight(inverse_z, sdf_m, scale: FusionScale):
+def observation_weight(inverse_z, sdf_m, scale: MapScale):
     """1 / z^2, falling linearly to 0 from one voxel behind the surface to the truncation."""
     fade = (scale.truncation_m + sdf_m) / (scale.truncation_m - scale.voxel_m)
     return jnp.clip(fade, 0.0, 1.0) * (inverse_z * inverse_z)
@@ -139,12 +140,12 @@ def _scratch(size):
     def arrays(*dtypes):
         return tuple(jnp.zeros((size + 1, BLOCK_VOXELS), dtype) for dtype in dtypes)
 
-    number, index, word = jnp.float32, jnp.int32, jnp.uint32
+    number, index, packed = jnp.float32, jnp.int32, jnp.uint32
     return {
-        "old": arrays(number, number, word),
+        "old": arrays(number, number, packed),
         "projected": arrays(index, number, number, number),
-        "returns": arrays(word, word),
-        "new": arrays(number, number, word, jnp.uint16),
+        "returns": arrays(packed, packed),
+        "new": arrays(number, number, packed, jnp.uint16),
     }
 
 
@@ -161,15 +162,15 @@ def _kept(scratch, name, values):
     return tuple(array[: len(values[0])] for array in scratch[name])
 
 
-def _fuse_chunk(scratch, fields, images, base, local, active, camera: Camera, scale: FusionScale):
-    """New fields of some blocks after one frame, and the hit of each voxel."""
-    words, colors, first_pixel = images
+def _integrate_chunk(scratch, fields, images, base, local, active, camera: Camera, scale: MapScale):
+    """New fields of some blocks after one frame, and the observation of each voxel."""
+    depth_segment, colors, first_pixel = images
     sdf_old, weight_old, color_old = fields
     x, y, z = (base[k][:, None] + local[k][None, :] for k in range(3))
     index, *rest = pixel_of(x, y, z, camera)
     index, z, inverse_z, ray = _kept(scratch, "projected", (index + first_pixel, *rest))
-    word, color = _kept(scratch, "returns", (words[index], colors[index]))
-    depth = (word >> SEGMENT_BITS).astype(jnp.int32).astype(jnp.float32) * DEPTH_STEP_M
+    packed, color = _kept(scratch, "returns", (depth_segment[index], colors[index]))
+    depth = (packed >> SEGMENT_BITS).astype(jnp.int32).astype(jnp.float32) * DEPTH_STEP_M
     sdf = (depth - z) * ray
     near = (depth > 0) & (sdf > -scale.truncation_m) & active[:, None]
     clipped = jnp.minimum(sdf, scale.truncation_m)
@@ -180,43 +181,46 @@ def _fuse_chunk(scratch, fields, images, base, local, active, camera: Camera, sc
     weight_new = jnp.minimum(total, scale.max_weight)
     on_surface = near & (sdf < scale.truncation_m)
     color_new = _blend_color(color_old, color, share, on_surface)
-    segment = jnp.where(near & (jnp.abs(sdf) < scale.label_band_m), word & SEGMENT_MASK, 0)
-    votes = near & (jnp.abs(sdf) < scale.voxel_m) & ((word & SEGMENT_MASK) > 0)
+    segment = jnp.where(near & (jnp.abs(sdf) < scale.label_band_m), packed & SEGMENT_MASK, 0)
+    votes = near & (jnp.abs(sdf) < scale.voxel_m) & ((packed & SEGMENT_MASK) > 0)
     freed = near & ((weight_old == 0) | (sdf_old < scale.truncation_m))
-    hits = (segment << SEGMENT_SHIFT) | jnp.where(votes, jnp.uint32(VOTES), 0)
-    hits = hits | jnp.where(on_surface | freed, jnp.uint32(CHANGED), 0)
-    return sdf_new, weight_new, color_new, hits.astype(jnp.uint16)
+    observation = (segment << SEGMENT_SHIFT) | jnp.where(votes, jnp.uint32(VOTES), 0)
+    observation = observation | jnp.where(on_surface | freed, jnp.uint32(CHANGED), 0)
+    return sdf_new, weight_new, color_new, observation.astype(jnp.uint16)
 
 
-def fuse_blocks(
+@functools.partial(jit_wide_vectors, donate_argnames=("pool", "observations"))
+def integrate_frames(
     pool: VoxelPool,
-    hits: UInt16[Array, "frames blocks 512"],
+    observations: UInt16[Array, "frames blocks 512"],
     packed: PackedFrames,
     blocks: ChunkedBlocks,
     local_m: Float[Array, "maps frames 3 512"],
     camera: Camera,
-    scale: FusionScale,
+    scale: MapScale,
 ) -> tuple[VoxelPool, UInt16[Array, "frames blocks 512"], UInt16[Array, "frames blocks"]]:
-    """Fuse frames, one after the other, into their blocks (Curless and Levoy's running mean).
+    """Integrate frames, one after the other, into their blocks (Curless and Levoy's running mean).
 
     D <- (W D + w d) / (W + w),  W <- min(W + w, max_weight),  w = `observation_weight`
 
+    It takes the storage of ``pool`` and ``observations`` for its result.
+
     Args:
-        hits: Storage for the second result.
+        observations: Storage for the second result.
         packed: All frames of the first map, then those of the next.
-        local_m: `voxel_places` of each map's frames.
+        local_m: `voxel_centers_in_camera` for each map's frames.
 
     Returns:
         The pool; for each frame and voxel its segment, `CHANGED` and `VOTES`; and the same, joined
-        by "or", a block.
+        by "or", for each block.
     """
-    frames = hits.shape[0]
-    pixels = packed.words.shape[1]
+    frames = observations.shape[0]
+    pixels = packed.depth_segment.shape[1]
     size = len(blocks.rows) // len(blocks.owner)
-    words, colors = packed.words.reshape(-1), packed.color.reshape(-1)
+    depth_segment, colors = packed.depth_segment.reshape(-1), packed.color.reshape(-1)
 
     def step(i, carry):
-        fields, hits, flags, scratch = carry
+        fields, observations, flags, scratch = carry
         start = i * size
         rows = lax.dynamic_slice(blocks.rows, (start,), (size,))
         chunk = [jnp.take(f, rows, axis=0, mode="clip") for f in fields]
@@ -226,29 +230,25 @@ def fuse_blocks(
             base = lax.dynamic_slice(blocks.base_m[k], (0, start), (3, size))
             active = lax.dynamic_slice(blocks.active[k], (start,), (size,))
             local = local_m[blocks.owner[i], k]
-            images = (words, colors, first)
-            new = _fuse_chunk(scratch, chunk, images, base, local, active, camera, scale)
-            *chunk, seen = _kept(scratch, "new", new)
-            hits = lax.dynamic_update_slice(hits, seen[None], (k, start, 0))
-            any_of = lax.reduce(seen, np.uint16(0), lax.bitwise_or, (1,))
+            images = (depth_segment, colors, first)
+            new = _integrate_chunk(scratch, chunk, images, base, local, active, camera, scale)
+            *chunk, observed = _kept(scratch, "new", new)
+            observations = lax.dynamic_update_slice(observations, observed[None], (k, start, 0))
+            any_of = lax.reduce(observed, np.uint16(0), lax.bitwise_or, (1,))
             flags = lax.dynamic_update_slice(flags, any_of[None], (k, start))
         put = [
             f.at[rows].set(n, mode="drop", unique_indices=True)
             for f, n in zip(fields, chunk, strict=True)
         ]
-        return tuple(put), hits, flags, scratch
+        return tuple(put), observations, flags, scratch
 
-    flags = jnp.zeros(hits.shape[:2], jnp.uint16)
+    flags = jnp.zeros(observations.shape[:2], jnp.uint16)
     fields = (pool.sdf_m, pool.weight, pool.color)
-    carry = lax.fori_loop(0, blocks.chunks, step, (fields, hits, flags, _scratch(size)))
-    (sdf_m, weight, color), hits, flags, _ = carry
-    return VoxelPool(sdf_m, weight, color, pool.labels), hits, flags
+    carry = lax.fori_loop(0, blocks.chunks, step, (fields, observations, flags, _scratch(size)))
+    (sdf_m, weight, color), observations, flags, _ = carry
+    return VoxelPool(sdf_m, weight, color, pool.labels), observations, flags
 
 
-fuse_frames = wide_jit(fuse_blocks, donate_argnames=("pool", "hits"))
-"""`fuse_blocks`, compiled; it takes the storage of ``pool`` and ``hits`` for its result."""
-
-
-def fresh_hits(frames: int, blocks: int) -> UInt16[Array, "frames blocks 512"]:
-    """Storage for hits."""
+def empty_observations(frames: int, blocks: int) -> UInt16[Array, "frames blocks 512"]:
+    """Storage for the observations of a step: nothing seen yet."""
     return jnp.zeros((frames, blocks, BLOCK_VOXELS), jnp.uint16)
