@@ -9,9 +9,9 @@ import pytest
 from .conftest import REPOSITORY
 
 RETIRED = {
-    r"fuse_usable|fusing\b|Fusion\b|fusion_step": "integrate a frame; Integrator",
+    r"fuse_usable|\bfusing\.|class Fusion\b|fusion_step": "integrate a frame; Integrator",
     r"\.refuse\(|def refuse\(": "reintegrate(poses); to reject input is to raise",
-    r"\b(freshen|compact|relabel|_renumber)\b": "renumber",
+    r"\b(freshen|relabel)\b": "renumber",
     r"\bvoxel_corners\b|\bvoxel_places\b": "block_corners_in_camera, voxel_centers_in_camera",
     r"\bwide_jit\b": "jit_wide_vectors",
     r"\bworking_ahead\b": "prefetch",
