@@ -122,7 +122,7 @@ class PanopticFrame:
     """What a segmenter says of one image. Row 0 of the tables stands for "nothing here"."""
 
     mask: Int[np.ndarray, "height width"]
-    """Row of the tables a pixel; 0 = none."""
+    """Row of the tables per pixel; 0 = none."""
     class_id: Int[np.ndarray, " masks"]
     """Row of `classes.CLASSES`; 0 = none."""
     score: Float[np.ndarray, " masks"]
@@ -133,7 +133,7 @@ class FrameSegments:
     """Geometric segments of one frame with the class and instance that the masks gave them."""
 
     segment: Int[np.ndarray, "height width"]
-    """Row of the tables a pixel; 0 = none."""
+    """Row of the tables per pixel; 0 = none."""
     class_id: Int[np.ndarray, " segments"]
     """Row of `classes.CLASSES`; 0 = background."""
     instance: Int[np.ndarray, " segments"]
@@ -147,20 +147,20 @@ class Mesh:
     vertices: Float[np.ndarray, "vertices 3"]
     faces: Int[np.ndarray, "faces 3"]
     colors: UInt8[np.ndarray, "vertices 3"] | None = None
-    """RGB a vertex."""
+    """RGB per vertex."""
     normals: Float[np.ndarray, "vertices 3"] | None = None
     """Unit, pointing out of the surface."""
     uv: Float[np.ndarray, "faces 3 2"] | None = None
-    """Texture coordinates a face corner, so that faces with seams between them share vertices."""
+    """Texture coordinates per face corner, so that faces with seams between them share vertices."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class PanopticSurface:
-    """The surface of a panoptic map: one mesh, an instance a vertex, a class an instance."""
+    """The surface of a panoptic map: one mesh, one instance per vertex, one class per instance."""
 
     mesh: Mesh
     instance: Int[np.ndarray, " vertices"]
-    """Instance a vertex; 0 = none."""
+    """Instance per vertex; 0 = none."""
     instance_ids: Int[np.ndarray, " instances"]
     """Every instance that occurs, ascending, without 0."""
     class_ids: Int[np.ndarray, " instances"]
