@@ -11,7 +11,7 @@ import dataclasses
 import enum
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Protocol, SupportsIndex, runtime_checkable
 
 import equinox as eqx
 import jax
@@ -211,7 +211,7 @@ class Entities:
     def __iter__(self) -> Iterator[Entity]:
         return iter(self.items)
 
-    def __getitem__(self, index: int) -> Entity:
+    def __getitem__(self, index: SupportsIndex) -> Entity:
         return self.items[index]
 
 
