@@ -5,11 +5,12 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 from rich.console import Console
 
+from ..config import HullsToCheck
 from ..runtime.console import ConsoleReporter
 from .files import write_text
 
@@ -132,7 +133,7 @@ class CadCheck:
     """Only these models: chair/ladder_42"""
     workers: int = 2
     """Processes."""
-    hulls: Literal["stored", "vhacd", "coacd"] = "stored"
+    hulls: HullsToCheck = "stored"
     """Imported models may have no collision hulls yet: stored skips what needs them, vhacd makes
     them within seconds, coacd within some ten seconds per model."""
     every: _Flag = False

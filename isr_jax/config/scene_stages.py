@@ -13,6 +13,9 @@ from .fields import Checked, setting
 
 HullMethod = Literal["coacd", "vhacd"]
 """How a mesh is decomposed into convex hulls: CoACD, or V-HACD, which is faster and coarser."""
+HullsToCheck = Literal["stored", HullMethod]
+"""Which hulls a library's check looks at: those that are there, or also new ones for the models
+without."""
 NormalResidual = Literal["vector", "paper"]
 """How the alignment compares two normals: by n - n', or by the paper's 1 - n . n'."""
 
