@@ -174,7 +174,7 @@ def test_every_level_of_detail_is_sound(cad_id, detail):
 
 
 def test_options_follow_the_box():
-    made = row("one", cupboard, 0.6, 0.4, 0.8, follows={"knob": 2}, knob=0.03)
+    made = row("one", cupboard, 0.6, 0.4, 0.8).having(follows={"knob": 2}, knob=0.03)
     part = next(link for link in made.design((0.6, 0.4, 1.6)).build("x").robot.links
                 if link.name == "knob")  # fmt: skip
     assert np.ptp(part.hulls[0].vertices[:, 0]) == pytest.approx(0.12)
