@@ -16,11 +16,12 @@ Names are imported when they are first used, so that ``isr --help`` answers at o
 from __future__ import annotations
 
 import importlib
+import warnings
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .alignment import align, alignment_error
-    from .cad import build_library, default_library, fit, load_library, open_library
+    from .cad import build_library, default_library, fit_cad, load_library, open_library
     from .config import Settings, preset, with_overrides
     from .datasets import inspect_sequence, open_sequence
     from .demonstration.demo import demo
@@ -48,7 +49,7 @@ _HOME = {
     "demo": "demonstration.demo",
     "evaluate": "evaluation",
     "film_room": "demonstration.film",
-    "fit": "cad",
+    "fit_cad": "cad",
     "furnish": "pipeline",
     "furnish_scenes": "pipeline",
     "inspect_sequence": "datasets",
@@ -69,7 +70,15 @@ _HOME = {
 }
 
 
+_RENAMED = {"fit": "fit_cad"}
+"""Old names, kept for one release."""
+
+
 def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        message = f"isr_jax.{name} is called {_RENAMED[name]} now"
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        name = _RENAMED[name]
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
@@ -91,7 +100,7 @@ __all__ = [
     "demo",
     "evaluate",
     "film_room",
-    "fit",
+    "fit_cad",
     "furnish",
     "furnish_scenes",
     "inspect_sequence",

@@ -12,7 +12,7 @@ import json
 from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import jsonschema
 import numpy as np
@@ -34,6 +34,8 @@ from .types import (
 )
 
 SCHEMA_VERSION = "1.1"
+EntityType = Literal["layout", "rigid", "articulated", "scan"]
+"""What stands for an entity: planes of the room, a model without or with joints, its own mesh."""
 ROOM_NAME = "room"
 NOT_ANNOTATED = "not annotated"
 """In the ``settings`` of a true scene, of ``supports`` and ``cad`` that nobody wrote down."""
@@ -67,8 +69,7 @@ class EntityRecord:
     id: int
     name: str
     class_name: str
-    type: str
-    """``layout``, ``rigid``, ``articulated`` or ``scan``."""
+    type: EntityType
     box: Box
     planes: tuple[PlaneRecord, ...]
     parent: str | None
@@ -184,7 +185,7 @@ def _entity_record(
     )
 
 
-def _entity_type(entity: Entity, placement: Placement, library: CadLibrary) -> str:
+def _entity_type(entity: Entity, placement: Placement, library: CadLibrary) -> EntityType:
     if entity.is_layout:
         return "layout"
     if placement.cad_id is None:

@@ -23,7 +23,7 @@ from isr_jax.cad.checking.static import hull_problem
 from isr_jax.errors import LibraryError, SettingError
 from isr_jax.library import CadModel
 from isr_jax.robot_model import box_between
-from isr_jax.runtime.render_text import plain_text
+from isr_jax.runtime.render_text import render_text
 from isr_jax.types import Mesh, PlaneSet
 
 from .builders import library_of, parts_model, table_model
@@ -350,10 +350,10 @@ def test_a_folder_is_checked_to_its_end(folder):
     assert not report.passed
     assert report.models[0].outcome("files") == "failed"
     assert report.models[0].outcome("standing") == "skipped"
-    text = plain_text(report.table())
+    text = render_text(report.table())
     assert "door_joint: no handle" in text and "content hash" in " ".join(text.split())
     assert "2 of 3 models failed" in text and "table/test" not in text
-    assert "table/test" in plain_text(report.table(every_model=True))
+    assert "table/test" in render_text(report.table(every_model=True))
     record = json.loads(report.json())
     assert record["passed"] is False and len(record["models"]) == 3
     assert record["models"][2]["outcome"] == dict.fromkeys(CHECKS, "passed")
@@ -387,6 +387,6 @@ def test_hulls_are_made_where_there_are_none_and_asked_for(tmp_path, monkeypatch
     bare = dataclasses.replace(bare, collision="none")
     skipped = check_library(library_of(bare), workers=1).models[0]
     assert skipped.passed and skipped.drift_m is None
-    assert "--hulls vhacd" in plain_text(check_library(library_of(bare), workers=1).table())
+    assert "--hulls vhacd" in render_text(check_library(library_of(bare), workers=1).table())
     made = check_library(library_of(bare), workers=1, hulls="vhacd").models[0]
     assert made.passed and not made.skipped and made.drift_m is not None, made.faults

@@ -14,7 +14,7 @@ from isr_jax.cad.importing import add as add_module
 from isr_jax.cad.importing.add_report import REPORT_NAME
 from isr_jax.cad.importing.isolation import Failure, run_isolated
 from isr_jax.errors import ClassError, LibraryError, OutputError, SettingError
-from isr_jax.runtime.render_text import plain_text
+from isr_jax.runtime.render_text import render_text
 
 from .foreign_models import BOMB, MJCF, cube_obj, cube_stl, png, urdf, write, write_zip
 from .isolated_work import work
@@ -94,7 +94,7 @@ def test_the_rest_of_a_folder_comes_in(tmp_path: Path) -> None:
     assert not (library / ".incoming").exists()
     stored = json.loads((library / REPORT_NAME).read_text())
     assert [len(stored["accepted"]), len(stored["rejected"])] == [3, 9]
-    text = "\n".join(plain_text(table) for table in report_tables(report))
+    text = "\n".join(render_text(table) for table in report_tables(report))
     assert "3 models added" in text and "9 rejected" in text and "mixed/j.xml" in text
 
 
@@ -106,7 +106,7 @@ def test_adding_again_changes_nothing_and_says_so(tmp_path: Path) -> None:
     assert [a.id for a in first.accepted] == [a.id for a in second.accepted]
     assert not any(a.already for a in first.accepted) and all(a.already for a in second.accepted)
     assert bytes_of(tmp_path / "lib") == before
-    assert "2 of them there before" in plain_text(report_tables(second)[0])
+    assert "2 of them there before" in render_text(report_tables(second)[0])
 
 
 def test_the_same_files_elsewhere_give_the_same_library(tmp_path: Path) -> None:

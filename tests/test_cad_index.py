@@ -11,6 +11,7 @@ import shutil
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import get_args
 
 import jax
 import numpy as np
@@ -18,9 +19,11 @@ import pytest
 
 from isr_jax.cad import index, load_library, open_library, save_model, validate_record
 from isr_jax.cad.packed_file import read_packed, write_packed
+from isr_jax.cad.records import record_schema
+from isr_jax.classes import Mount
 from isr_jax.errors import LibraryError
 from isr_jax.geometry.surface_samples import surface_samples
-from isr_jax.library import CadModel
+from isr_jax.library import CadModel, Collision
 from isr_jax.library.arrays import MAX_MODEL_PLANES, counted_planes
 
 from .builders import box_mesh, library_of, table_model
@@ -110,6 +113,12 @@ def test_records_follow_their_schema(root):
             validate_record(record | {"mount": "ceiling"}, path)
         with pytest.raises(LibraryError, match="colour"):
             validate_record(record | {"colour": "red"}, path)
+
+
+def test_the_schema_lists_what_the_types_list():
+    listed = record_schema()["properties"]
+    assert tuple(listed["mount"]["enum"]) == get_args(Mount)
+    assert tuple(listed["collision"]["enum"]) == get_args(Collision)
 
 
 def test_nothing_that_did_not_change_is_opened(root, reads):

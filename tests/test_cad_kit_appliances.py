@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from isr_jax.cad.checking.model import check_model
-from isr_jax.cad.kit import KIT, fit, make
+from isr_jax.cad.kit import KIT, fit_cad, make
 from isr_jax.cad.kit.appliances.catalogue import ROWS
 from isr_jax.cad.kit.appliances.computers import laptop
 from isr_jax.cad.kit.appliances.toilets import toilet
@@ -197,7 +197,7 @@ def test_models_are_made_at_other_sizes(cad_id):
     """Boxes 0.6 to 1.6 times as large come out as asked, their parts still apart."""
     rng = np.random.default_rng(len(cad_id))
     size = np.round(np.array(KIT[cad_id].size) * rng.uniform(0.6, 1.6, 3), 3)
-    model = fit(cad_id, size.tolist())
+    model = fit_cad(cad_id, size.tolist())
     np.testing.assert_allclose(model.size, size, atol=1.01e-4)
     sound.assert_parts_do_not_overlap(model)
 

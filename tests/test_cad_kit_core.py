@@ -9,7 +9,8 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 
-from isr_jax.cad.kit import FIT_RANGE, KIT, ModelBuilder, fit, make, row
+import isr_jax as isr
+from isr_jax.cad.kit import FIT_RANGE, KIT, ModelBuilder, fit_cad, make, row
 from isr_jax.cad.kit import catalogue as catalogue_module
 from isr_jax.cad.kit.materials import GLASS, OAK, STEEL
 from isr_jax.cad.kit.solids import box, circle, frustum, plane_axes, split, tube
@@ -173,7 +174,7 @@ def test_every_level_of_detail_is_sound(cad_id, detail):
 
 
 def test_options_follow_the_box():
-    made = row("one", cupboard, 0.6, 0.4, 0.8, follows={"knob": 2}, knob=0.03)
+    made = row("one", cupboard, 0.6, 0.4, 0.8).having(follows={"knob": 2}, knob=0.03)
     part = next(link for link in made.design((0.6, 0.4, 1.6)).build("x").robot.links
                 if link.name == "knob")  # fmt: skip
     assert np.ptp(part.hulls[0].vertices[:, 0]) == pytest.approx(0.12)
@@ -196,7 +197,7 @@ def test_unknown_models_name_the_nearest():
 @pytest.mark.parametrize("factors", [(0.8, 1.3, 1.1), (1.5, 0.9, 0.8)])
 def test_fitted_models_have_the_asked_box_and_stay_sound(cad_id, factors):
     size = [round(f * s, 4) for f, s in zip(factors, KIT[cad_id].size, strict=True)]
-    model = fit(cad_id, size)
+    model = fit_cad(cad_id, size)
     np.testing.assert_allclose(model.size, size, atol=1.1e-4)
     assert model.id != cad_id and cad_id in model.notes[0]
     sound.assert_hulls_are_closed_convex_and_small(model)
@@ -207,7 +208,7 @@ def test_fitted_models_have_the_asked_box_and_stay_sound(cad_id, factors):
 
 
 def test_boards_and_handles_keep_their_thickness_when_fitted():
-    model, larger = make("cabinet/base_40"), fit("cabinet/base_40", (0.6, 0.58, 0.86))
+    model, larger = make("cabinet/base_40"), fit_cad("cabinet/base_40", (0.6, 0.58, 0.86))
 
     def thinnest(of) -> list[float]:
         sizes = [np.ptp(h.vertices, 0).min() for link in of.robot.links for h in link.hulls]
@@ -217,9 +218,14 @@ def test_boards_and_handles_keep_their_thickness_when_fitted():
     assert larger.moving_joints == model.moving_joints
 
 
+def test_the_old_name_of_fit_cad_says_the_new_one():
+    with pytest.warns(DeprecationWarning, match="fit_cad"):
+        assert isr.fit is isr.fit_cad is fit_cad
+
+
 def test_fitting_takes_a_model_or_its_id_and_the_same_size_changes_nothing_else():
     model = make("chair/ladder_42")
-    same = fit(model, KIT[model.id].size)
+    same = fit_cad(model, KIT[model.id].size)
     np.testing.assert_array_equal(same.mesh.vertices, model.mesh.vertices)
     assert same.id == "chair/ladder_42_420x486x860"
 
@@ -234,7 +240,7 @@ def test_fitting_takes_a_model_or_its_id_and_the_same_size_changes_nothing_else(
 )
 def test_sizes_that_cannot_be_fitted_name_the_allowed_range(size, said):
     with pytest.raises(SettingError, match=said):
-        fit("chair/ladder_42", size)
+        fit_cad("chair/ladder_42", size)
     assert FIT_RANGE == (0.6, 1.6)
 
 
@@ -242,4 +248,4 @@ def test_what_makes_no_object_is_refused():
     """An office chair's seat does not fit on a foot of 0.38 m by 1.06 m."""
     width, depth, height = KIT["chair/office_48"].size
     with pytest.raises(SettingError):
-        fit("chair/office_48", (1.6 * width, 0.6 * depth, height))
+        fit_cad("chair/office_48", (1.6 * width, 0.6 * depth, height))

@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+import importlib.metadata
+import platform
 import subprocess
 import sys
 
 import pytest
 
 from isr_jax import cli
+from isr_jax.config import section_names, settings_page
 
 from .conftest import REPOSITORY
 
-COMMANDS = ["demo", "run", "map", "synth", "inspect", "settle", "eval", "view", "cad", "classes"]
+COMMANDS = [
+    "demo",
+    "run",
+    "map",
+    "synth",
+    "inspect",
+    "settle",
+    "eval",
+    "view",
+    "cad",
+    "classes",
+    "settings",
+]
 
 
 @pytest.fixture
@@ -20,9 +35,12 @@ def isr(monkeypatch, capsys):
 
     def call(*arguments: str) -> tuple[int, str, str]:
         monkeypatch.setattr(sys, "argv", ["isr", *arguments])
-        with pytest.raises(SystemExit) as stop:
+        status = 0
+        try:
             cli.main()
-        return (stop.value.code or 0, *capsys.readouterr())
+        except SystemExit as stop:
+            status = int(stop.code or 0)
+        return (status, *capsys.readouterr())
 
     return call
 
@@ -45,6 +63,8 @@ def test_help_lists_every_command_with_an_example(isr):
         (("eval", "{out}", "{out}"), "scene.json"),
         (("view", "{out}"), "scene.json"),
         (("cad", "list", "{out}"), "{out}"),
+        (("settings", "map"), "contact_graph"),
+        (("settings", "--out", "{out}"), "{out}"),
         (("inspect", "{out}"), "{out}"),
         (("synth", "--out", "{out}/o", "--kind", "attic"), "kitchen, office, living"),
         (("synth", "--out", "{out}/o", "--size", "640"), "640x480"),
@@ -57,6 +77,27 @@ def test_a_user_error_is_one_message_and_status_2(isr, arguments, says, tmp_path
     assert status == 2, out + err
     message = err.replace("\n", "")
     assert says.format(out=tmp_path) in message and "->" in message
+
+
+def test_the_version_names_what_runs(isr):
+    status, out, _ = isr("--version")
+    assert status == 0
+    for name in ("isr_jax", "jax", "mujoco"):
+        assert f"{name} {importlib.metadata.version(name)}" in out
+    assert f"python {platform.python_version()}" in out
+
+
+def test_settings_prints_one_section_or_writes_the_page(isr, tmp_path):
+    status, out, _ = isr("settings", "matching")
+    assert status == 0 and "weight_upright" in out and "voxel_size_m" not in out
+    path = tmp_path / "docs" / "settings.md"
+    assert isr("settings", "--out", str(path)) == (0, "", "")
+    assert path.read_text("utf-8") == settings_page()
+
+
+def test_the_help_of_settings_names_every_section(isr):
+    status, out, _ = isr("settings", "--help")
+    assert status == 0 and all(name in out for name in section_names())
 
 
 def test_synth_leaves_a_folder_alone_that_holds_something_else(isr, tmp_path):

@@ -5,19 +5,40 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import re
 
 import pytest
 
 from isr_jax.config import (
     PRESETS,
     MappingSettings,
+    NoiseModel,
+    PoseNoise,
+    Settings,
     preset,
+    section_names,
     settings_from_toml,
+    settings_page,
+    settings_section,
     settings_to_dict,
     settings_to_toml,
     with_overrides,
 )
 from isr_jax.errors import SettingError
+
+from .conftest import REPOSITORY
+
+MID_SENTENCE = re.compile(
+    r"(of|and|or|but|so|times|the same|between|\+|\.\.\.|=)(?!\w)|.* likewise"
+)
+"""How a meaning begins that reads on from the one above it: `config.toml` prints each alone."""
+
+
+def all_fields():
+    """(section, field) of every setting, and of the noise of rendered films."""
+    kinds = {name: type(getattr(Settings(), name)) for name in section_names()}
+    for name, kind in {**kinds, "noise": NoiseModel, "pose noise": PoseNoise}.items():
+        yield from ((name, field) for field in dataclasses.fields(kind))
 
 
 @pytest.mark.parametrize("name", PRESETS)
@@ -35,13 +56,43 @@ def test_every_preset_can_stand_in_a_scene_file(name):
     assert (data["matching"]["unmatched_cost"] == "inf") == (name != "default")
 
 
-def test_every_setting_says_what_it_means():
-    for section in dataclasses.fields(preset("default")):
-        stage = getattr(preset("default"), section.name)
-        if section.name == "preset":
-            continue
-        for field in dataclasses.fields(stage):
-            assert field.metadata.get("help"), f"{section.name}.{field.name}"
+def test_every_setting_says_what_it_means_by_itself():
+    meanings: dict[str, str] = {}
+    for section, field in all_fields():
+        name, meaning = f"{section}.{field.name}", field.metadata["help"]
+        assert len(meaning.split()) > 1 and not MID_SENTENCE.match(meaning), f"{name}: {meaning}"
+        assert meaning not in meanings, f"{name} and {meanings[meaning]} mean the same"
+        meanings[meaning] = name
+
+
+def test_a_meaning_that_reads_on_from_the_one_above_is_caught():
+    for phrase in ("of d_s", "+ this times D", "and the distance", "times z", "so may rugs"):
+        assert MID_SENTENCE.match(phrase)
+    assert not MID_SENTENCE.match("offset of a plane")
+
+
+def test_the_page_of_settings_is_the_one_that_is_committed():
+    page = (REPOSITORY / "docs" / "settings.md").read_text("utf-8")
+    assert page == settings_page(), "write it again: isr settings --out docs/settings.md"
+
+
+def test_the_page_shows_bounds_choices_units_and_where_presets_differ():
+    rows = [row for row in settings_section("mapping").splitlines() if row.startswith("| ")]
+    cells = {row.split(" | ")[0]: row.split(" | ") for row in rows}
+    assert cells["| setting"][2:5] == ["default", "paper", "voxblox++"]
+    assert cells["| `voxel_size_m`"][:6] == [
+        "| `voxel_size_m`",
+        "m",
+        "0.01",
+        "",
+        "",
+        "0.002 to 0.2",
+    ]
+    assert cells["| `counts`"][2:6] == ["triplet", "", "pairs", "triplet, pairs"]
+    assert cells["| `carve`"][2:6] == ["true", "false", "false", "true, false"]
+    assert "paper" not in settings_section("export").splitlines()[4]
+    with pytest.raises(SettingError, match="mapping"):
+        settings_section("map")
 
 
 def test_overrides_reach_the_named_setting_alone():

@@ -244,6 +244,11 @@ def test_symmetry_of_models_is_known_only_when_given(folders):
     assert report.cad.accuracy == 1.0
 
 
+def test_an_empty_library_of_the_truth_is_not_taken_for_none(folders):
+    with pytest.raises(SceneError, match="which has 0 models"):
+        folders.report(library=library_of(*models_of_the_truth()), truth_library=library_of())
+
+
 def test_another_model_is_judged_by_its_size(folders):
     cad = dataclasses.replace(
         folders.entities[6].cad, id="chair/b", scale=np.full(3, 0.5, np.float32)

@@ -14,7 +14,7 @@ from isr_jax import pipeline
 from isr_jax.borders import simulation
 from isr_jax.cad import default_library
 from isr_jax.demonstration.film import film_room
-from isr_jax.errors import OutputError, SettingError
+from isr_jax.errors import LibraryError, OutputError, SettingError
 from isr_jax.robot_model.mesh_files import MeshFiles
 from isr_jax.robot_model.mjcf import ContactModel, add_robot, spec_xml
 from isr_jax.scene_file import read_scene
@@ -207,6 +207,11 @@ def test_a_folder_that_holds_something_else_is_not_filmed_into(tmp_path):
     with pytest.raises(OutputError, match="holds something else"):
         film_room(tmp_path, frames=1)
     assert [p.name for p in tmp_path.iterdir()] == ["letters.txt"]
+
+
+def test_a_room_is_not_furnished_with_the_kit_in_place_of_an_empty_library(tmp_path):
+    with pytest.raises(LibraryError, match="no usable model"):
+        film_room(tmp_path / "film", frames=1, library=library_of())
 
 
 def test_imported_models_get_hulls_when_a_scene_uses_them(tmp_path, monkeypatch):

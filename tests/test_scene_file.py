@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import json
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from isr_jax.errors import SceneError
-from isr_jax.scene_file import read_scene, scene_from_stages, write_scene
+from isr_jax.scene_file import (
+    EntityType,
+    read_scene,
+    scene_from_stages,
+    scene_schema,
+    write_scene,
+)
 from isr_jax.types import ROOM, Candidate, Placement
 
 from .builders import box_entity, floor_entity, library_of, scene_of, support_graph, table_model
@@ -77,3 +84,8 @@ def test_a_missing_file_and_one_that_is_not_json(tmp_path):
     (tmp_path / "scene.json").write_text("{")
     with pytest.raises(SceneError, match="not JSON"):
         read_scene(tmp_path / "scene.json")
+
+
+def test_the_schema_lists_the_types_of_entities():
+    entity = scene_schema()["$defs"]["entity"]["properties"]
+    assert tuple(entity["type"]["enum"]) == get_args(EntityType)

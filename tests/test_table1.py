@@ -18,7 +18,7 @@ from experiments.table1.printing import table
 from experiments.table1.rows import ALL, RELEASED_WAY, THEIRS, ExactScores, exact_rows, source_name
 from isr_jax.errors import SequenceError
 from isr_jax.evaluation import BoxRow, BoxScores, ClassQuality, InstanceScores, PanopticScores
-from isr_jax.runtime.render_text import plain_text
+from isr_jax.runtime.render_text import render_text
 
 from . import datasets_room as room
 from . import scan_formats as scans
@@ -172,7 +172,7 @@ def test_a_sequence_that_fails_is_a_row_with_its_problem(done):
 
 def test_the_table_prints_ours_beside_theirs(done):
     _, figures, _ = done
-    text = plain_text(table(figures, [source_name("default", ALL)], ["061", "086"]))
+    text = render_text(table(figures, [source_name("default", ALL)], ["061", "086"]))
     for part in ("isr_jax", "paper", "voxblox++", "released", "43.0", "27.3"):
         assert part in text
     assert isinstance(table(figures), Table)
@@ -222,7 +222,7 @@ def test_the_command_says_what_failed(tmp_path, capsys):
 
 def test_means_say_how_many_sequences_they_are_of():
     figures = [f for f in read_published() if f.sequence in ("061", "223", "005")]
-    lines = plain_text(table(figures, sequences=["005", "061", "223"])).splitlines()
+    lines = render_text(table(figures, sequences=["005", "061", "223"])).splitlines()
     start = next(i for i, line in enumerate(lines) if "mean of these 3" in line)
     # The paper has two of the three: (43.0 + 49.5) / 2.
     assert "46.2 (2)" in lines[start] or "46.3 (2)" in lines[start]

@@ -14,10 +14,11 @@ import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from ..config import HullMethod
 from ..errors import SettingError
 from ..library import CadModel, held
 from ..runtime.caches import user_cache_dir
-from .hulls.link_hulls import METHODS, Method
+from .hulls.link_hulls import METHODS
 from .hulls.model_hulls import LinkShape, ModelHulls, link_shapes, model_hulls
 from .hulls.packing import packed_hulls, packed_shapes, unpacked_hulls
 from .hulls.solid import hull_of
@@ -84,7 +85,7 @@ class _Store:
     """Hulls on disk, by the models' content."""
 
     folder: Path
-    method: Method
+    method: HullMethod
 
     def _path(self, model: CadModel) -> Path:
         return self.folder / f"{model.content_hash}_{self.method}_{VERSION}.npz"
@@ -147,7 +148,7 @@ def _all_hulls(
             one.close()
 
 
-def _made(model: CadModel, method: Method, worker: Worker | None) -> ModelHulls:
+def _made(model: CadModel, method: HullMethod, worker: Worker | None) -> ModelHulls:
     """Hulls by the method, else by the other, else one convex hull a link."""
     shapes = link_shapes(model.robot)
     if worker is None:

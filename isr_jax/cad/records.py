@@ -7,24 +7,26 @@ import json
 from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import jsonschema
 import numpy as np
 from jaxtyping import Bool
 
-from ..classes import class_named
+from ..classes import Mount, class_named
 from ..errors import ClassError, LibraryError
 from ..geometry.surface_samples import SurfaceSamples
-from ..library import CadModel, Handle
+from ..library import CadModel, Collision, Handle
 from ..robot_model import RobotModel
 from ..robot_model.obj import numbers
 from ..types import Array, PlaneSet
 
 SCHEMA_VERSION = "1.1"
-MOUNTS = ("floor", "surface", "wall", "opening")
-SYMMETRIES = (0, 1, 2, 4)
-COLLISIONS = ("exact", "stated", "coacd", "vhacd", "none")
+_ALLOWED = {
+    "mount": get_args(Mount),
+    "symmetry": (0, 1, 2, 4),
+    "collision": get_args(Collision),
+}
 
 Record = dict[str, Any]
 
@@ -116,7 +118,7 @@ def check_record(record: Record, path: Path) -> None:
         class_named(record["class"])
     except ClassError as error:
         raise LibraryError(f"{path}: {error.problem}", error.hint) from None
-    for key, allowed in (("mount", MOUNTS), ("symmetry", SYMMETRIES), ("collision", COLLISIONS)):
+    for key, allowed in _ALLOWED.items():
         if record[key] not in allowed:
             raise LibraryError(f"{path}: {key} {record[key]!r}", f"it is one of {allowed}")
     size = np.array(record["size"], np.float64)

@@ -2,12 +2,14 @@
 
 from .label_lists import LABEL_SETS, Label, label_list
 from .numbering import number_by_class
-from .table import ClassInfo, class_named, classes, label_table
+from .table import ClassInfo, ClassKind, Mount, class_named, classes, label_table
 
 __all__ = [
     "LABEL_SETS",
     "ClassInfo",
+    "ClassKind",
     "Label",
+    "Mount",
     "class_named",
     "classes",
     "label_list",

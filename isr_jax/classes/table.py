@@ -11,11 +11,18 @@ import dataclasses
 import difflib
 import functools
 from importlib import resources
+from typing import Literal, cast
 
 import numpy as np
 
 from ..errors import ClassError
 from .label_lists import LABEL_SETS, label_list
+
+ClassKind = Literal["none", "thing", "layout", "stuff", "dynamic"]
+"""What a class is to the map: nothing, things that can be told apart, floor, wall and ceiling, what
+is in the map but never an entity, and what moves and is never mapped."""
+Mount = Literal["floor", "surface", "wall", "opening"]
+"""What such a thing is fixed to or stands on."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,15 +31,13 @@ class ClassInfo:
 
     id: int
     name: str
-    kind: str
-    """``none``, ``thing``, ``layout`` (floor, wall, ceiling), ``stuff`` or ``dynamic``."""
+    kind: ClassKind
     functional: bool
     """A CAD model may stand for it."""
     articulated: bool
     movable: bool
     """True: a free joint in simulation. False: it stands fixed."""
-    mount: str
-    """``floor``, ``surface``, ``wall`` or ``opening``."""
+    mount: Mount
     density_kg_m3: float
     """Of the scan mesh's filled hull, when no CAD gives a mass."""
     match_group: str
@@ -57,11 +62,11 @@ def _parse(index: int, row: dict[str, str]) -> ClassInfo:
     return ClassInfo(
         id=index,
         name=row["name"],
-        kind=row["kind"],
+        kind=cast(ClassKind, row["kind"]),
         functional=row["functional"] == "1",
         articulated=row["articulated"] == "1",
         movable=row["movable"] == "1",
-        mount=row["mount"],
+        mount=cast(Mount, row["mount"]),
         density_kg_m3=float(row["density_kg_m3"]),
         match_group=row["match_group"] or row["name"],
         hung_class=row["hung_class"],

@@ -5,13 +5,14 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import tyro
 from rich.console import Console
 
-from ..errors import OutputError
+from ..config import HullsToCheck
 from ..runtime.console import ConsoleReporter
+from .files import write_text
 
 if TYPE_CHECKING:
     from ..library import CadLibrary
@@ -73,7 +74,7 @@ class CadAdd:
     class_name: _Name = None
     """Class of all of them, instead of what the files or names say."""
     unit_m: Annotated[float | None, tyro.conf.arg(metavar="METRES", help_behavior_hint="")] = None
-    """Metres a unit of length: 0.01 for centimetres."""
+    """Metres per unit of length: 0.01 for centimetres."""
     up: _Direction = None
     """Direction that is up in the files: 0 1 0"""
     front: _Direction = None
@@ -132,9 +133,9 @@ class CadCheck:
     """Only these models: chair/ladder_42"""
     workers: int = 2
     """Processes."""
-    hulls: Literal["stored", "vhacd", "coacd"] = "stored"
+    hulls: HullsToCheck = "stored"
     """Imported models may have no collision hulls yet: stored skips what needs them, vhacd makes
-    them within seconds, coacd within some ten seconds a model."""
+    them within seconds, coacd within some ten seconds per model."""
     every: _Flag = False
     """Show models that passed, too."""
     json: _File = None
@@ -156,7 +157,7 @@ class CadCheck:
             )
         console.print(report.table(every_model=self.every))
         if self.json is not None:
-            _write(self.json, report.json())
+            write_text(self.json, report.json())
         if not report.passed:
             sys.exit(1)
 
@@ -226,11 +227,11 @@ class CadSheet:
     class_name: _Classes = ()
     """Only these classes."""
     columns: int = 8
-    """Models in a row."""
+    """Models per row."""
     open: _Flag = False
     """With joints open."""
     all: _Flag = False
-    """A sheet for each group of classes, cad_<group>.png in the folder --out; what has joints is
+    """One sheet per group of classes, cad_<group>.png in the folder --out; what has joints is
     shown open."""
 
     def run(self, console: Console) -> None:
@@ -266,14 +267,6 @@ def _library(path: Path | None) -> CadLibrary:
     from ..cad import default_library, open_library
 
     return default_library() if path is None else open_library(path)
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, "utf-8")
-    except OSError as error:
-        raise OutputError(f"{path}: {error.strerror}", "give a file that can be written") from None
 
 
 _Action = (

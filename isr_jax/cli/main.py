@@ -14,8 +14,10 @@ from ..config import Settings, preset, settings_from_toml, with_overrides
 from ..errors import IsrError
 from ..runtime.caches import enable_compilation_cache
 from ..runtime.console import ConsoleReporter
+from ..runtime.run_folder import versions
 from .cad import cad
 from .classes import classes
+from .settings import settings
 
 app = tyro.extras.SubcommandApp()
 Positional = tyro.conf.Positional
@@ -136,7 +138,7 @@ def map_(
 
     Example: isr map captures/kitchen --segmenter yolox.onnx+deeplab.onnx --out out/kitchen
 
-    Writes into OUT/map: panoptic.ply (colour, normal, instance and class of each vertex),
+    Writes into OUT/map: panoptic.ply (colour, normal, instance and class per vertex),
     panoptic.glb (one node per instance), instances/chair_1.ply and .glb and so on, instances.json
     (what each is), and map.npz, to which `isr map MORE_FRAMES --continue-from
     out/kitchen/map/map.npz` adds frames.
@@ -310,15 +312,27 @@ def view(result: Positional[Path], port: int = 8080) -> None:
 
 app.command(cad)
 app.command(classes)
+app.command(settings)
+
+
+def version_line() -> str:
+    """The versions of this package and of those whose numbers it depends on, in one line."""
+    known = versions()
+    others = ", ".join(f"{name} {known[name]}" for name in ("jax", "mujoco", "python"))
+    return f"isr_jax {known['isr_jax']} ({others})"
 
 
 def main() -> None:
     """Entry point; a user's error is one message and exit status 2."""
+    if sys.argv[1:] == ["--version"]:
+        print(version_line())
+        sys.exit(0)
     enable_compilation_cache()
     try:
         app.cli(
             prog="isr",
-            description="From a posed RGB-D sequence to a room that a robot can act in.",
+            description="From a posed RGB-D sequence to a room that a robot can act in. "
+            "`isr --version` says which versions run.",
         )
     except IsrError as error:
         Console(stderr=True).print(f"[red]error:[/] {error}", highlight=False)

@@ -1,9 +1,10 @@
-"""A setting: a dataclass field with a unit, bounds and one line of meaning."""
+"""A setting: a dataclass field with a unit, bounds or choices, and one phrase of meaning."""
 
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+import functools
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from ..errors import SettingError
 
@@ -15,35 +16,54 @@ def setting(
     unit: str = "",
     low: float | int | None = None,
     high: float | int | None = None,
-    choices: tuple[str, ...] = (),
-    static: bool = False,
 ) -> Any:
-    """A dataclass field that knows its unit, bounds and meaning."""
-    metadata = {
-        "help": help,
-        "unit": unit,
-        "low": low,
-        "high": high,
-        "choices": choices,
-        "static": static,
-    }
+    """A dataclass field that knows its unit, bounds and meaning.
+
+    A closed vocabulary is the field's type, a ``Literal``: `choices` reads it.
+
+    Args:
+        help: One phrase that stands alone, as ``config.toml`` and docs/settings.md print it.
+        unit: Of the value; empty for what has none.
+        low: Least value, allowed itself.
+        high: Greatest value, allowed itself.
+    """
+    metadata = {"help": help, "unit": unit, "low": low, "high": high}
     return dataclasses.field(default=default, metadata=metadata)
 
 
+@functools.cache
+def choices(section: type) -> dict[str, tuple[str, ...]]:
+    """All allowed values of each field of a settings class whose type is a ``Literal``."""
+    hints = get_type_hints(section)
+    return {name: get_args(hint) for name, hint in hints.items() if get_origin(hint) is Literal}
+
+
 class Checked:
-    """Checks every field against its bounds where the settings are made."""
+    """Checks every field where the settings are made.
+
+    Raises:
+        SettingError: a field is out of its bounds or is none of its choices.
+    """
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):  # type: ignore[arg-type]
-            _check_field(type(self).__name__, field, getattr(self, field.name))
+            name = f"{type(self).__name__}.{field.name}"
+            check_value(name, type(self), field, getattr(self, field.name))
 
 
-def _check_field(owner: str, field: dataclasses.Field, value: Any) -> None:
+def check_value(name: str, section: type, field: dataclasses.Field, value: Any) -> None:
+    """Refuse a value that a field of a settings class does not allow.
+
+    Args:
+        name: What the message calls the setting.
+
+    Raises:
+        SettingError: the value is out of the field's bounds or is none of its choices.
+    """
+    allowed = choices(section).get(field.name, ())
+    if allowed and value not in allowed:
+        raise SettingError(f"{name} = {value!r}", f"use one of: {', '.join(allowed)}")
     low, high = field.metadata.get("low"), field.metadata.get("high")
-    choices = field.metadata.get("choices")
-    name = f"{owner}.{field.name}"
-    if choices and value not in choices:
-        raise SettingError(f"{name} = {value!r}", f"use one of: {', '.join(choices)}")
     if (low is not None and not value >= low) or (high is not None and not value <= high):
         unit = field.metadata["unit"]
         raise SettingError(

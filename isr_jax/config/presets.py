@@ -96,7 +96,11 @@ alone."""
 
 
 def preset(name: str) -> Settings:
-    """Settings by name: ``default``, ``paper`` or ``voxblox++``."""
+    """Settings by name: ``default``, ``paper`` or ``voxblox++``.
+
+    Raises:
+        SettingError: no preset has that name.
+    """
     if name not in PRESETS:
         raise SettingError(f"unknown preset {name!r}", f"use one of: {', '.join(PRESETS)}")
     return PRESETS[name]

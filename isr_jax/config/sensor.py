@@ -13,27 +13,41 @@ class NoiseModel(Checked):
 
     axial_m: float = setting(0.0012, "axial sigma at 0.4 m", unit="m", low=0.0)
     axial_growth_per_m: float = setting(
-        0.0019, "times (z - 0.4)^2, added to it", unit="1/m", low=0.0
+        0.0019,
+        "growth of the axial sigma: times (z - 0.4)^2, added to axial_m",
+        unit="1/m",
+        low=0.0,
     )
     grazing_m: float = setting(
-        1e-4, "times theta^2 / (pi/2 - theta)^2 / sqrt(z), added to it", unit="m", low=0.0
+        1e-4,
+        "growth at grazing angles: times theta^2 / (pi/2 - theta)^2 / sqrt(z), added to axial_m",
+        unit="m",
+        low=0.0,
     )
     lateral_px: float = setting(0.8, "sigma of the jitter of depth edges", unit="px", low=0.0)
     lateral_growth_px: float = setting(
-        0.035, "times theta / (pi/2 - theta), added to it", unit="px", low=0.0
+        0.035,
+        "growth of the lateral sigma: times theta / (pi/2 - theta), added to lateral_px",
+        unit="px",
+        low=0.0,
     )
     correlated_share: float = setting(
         0.5, "share of the axial variance that neighbours have in common", low=0.0, high=1.0
     )
     correlation_px: int = setting(
-        9, "side of the window that they have it over", unit="px", low=1, high=99
+        9,
+        "side of the window over which neighbours have axial noise in common",
+        unit="px",
+        low=1,
+        high=99,
     )
     baseline_m: float = setting(
-        0.075, "between projector and camera; 0 = no quantisation", unit="m", low=0.0
+        0.075, "distance between projector and camera; 0 = no quantisation", unit="m", low=0.0
     )
     disparity_step_px: float = setting(0.125, "quantum of the disparity", unit="px", low=0.0)
     projector_shadow: bool = setting(
-        True, "what the projector, a baseline to the right, does not light returns nothing"
+        True,
+        "surfaces that the projector, one baseline to the right, does not light return nothing",
     )
     edge_dropout: float = setting(0.4, "share of pixels lost at depth edges", low=0.0, high=1.0)
     dropout: float = setting(0.002, "share of pixels lost anywhere", low=0.0, high=1.0)
@@ -55,10 +69,16 @@ class PoseNoise(Checked):
     """What tracking makes of the camera's way (`synthetic.tracked_path` has the equations)."""
 
     drift_m: float = setting(
-        0.0, "sigma an axis after one metre of way; grows with its root", unit="m", low=0.0
+        0.0,
+        "sigma per axis after one metre of way, growing with the root of the way",
+        unit="m",
+        low=0.0,
     )
     drift_rad: float = setting(
-        0.0, "sigma of the heading after one radian of turning, likewise", unit="rad", low=0.0
+        0.0,
+        "sigma of the heading after one radian of turning, growing with the root of the turning",
+        unit="rad",
+        low=0.0,
     )
-    jitter_m: float = setting(0.0, "sigma an axis of each frame by itself", unit="m", low=0.0)
+    jitter_m: float = setting(0.0, "sigma per axis of each frame by itself", unit="m", low=0.0)
     jitter_rad: float = setting(0.0, "sigma of each frame's turn by itself", unit="rad", low=0.0)

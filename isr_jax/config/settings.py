@@ -1,4 +1,4 @@
-"""All settings, a stage each."""
+"""All settings, one section per stage."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .scene_stages import (
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """All settings, a stage each. Saved beside every result as ``config.toml``."""
+    """All settings, one section per stage. Saved beside every result as ``config.toml``."""
 
     preset: str = "default"
     input: InputSettings = dataclasses.field(default_factory=InputSettings)

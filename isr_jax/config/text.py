@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import SettingError
+from .fields import check_value
 from .presets import preset
 from .settings import Settings
 
@@ -45,6 +46,7 @@ def _with_value(settings: Settings, section: str, name: str, text: str) -> Setti
             f"unknown setting {section}.{name}", f"use one of: {', '.join(sorted(fields))}"
         )
     value = _parse(text, type(getattr(stage, name)), f"{section}.{name}")
+    check_value(f"{section}.{name}", type(stage), fields[name], value)
     return dataclasses.replace(settings, **{section: dataclasses.replace(stage, **{name: value})})
 
 
@@ -57,7 +59,7 @@ def _parse(text: str, kind: type, name: str) -> Any:
 
 
 def settings_to_toml(settings: Settings) -> str:
-    """All settings as TOML, a table a stage, each with its meaning and unit."""
+    """All settings as TOML, one table per stage, each with its meaning and unit."""
     lines = [f"preset = {_toml(settings.preset)}"]
     for section in dataclasses.fields(settings):
         if section.name == "preset":
@@ -78,7 +80,12 @@ def _toml(value: Any) -> str:
 
 
 def settings_from_toml(path: Path) -> Settings:
-    """Read what `settings_to_toml` wrote; what a file leaves out keeps its preset's value."""
+    """Read what `settings_to_toml` wrote; what a file leaves out keeps its preset's value.
+
+    Raises:
+        SettingError: the file cannot be read, is not TOML, or holds an unknown section or name, a
+            value of another type, or one out of its bounds.
+    """
     try:
         data = tomllib.loads(path.read_text("utf-8"))
     except OSError as error:

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from ..config import InputSettings
 from ..errors import FrameError, IsrError
-from ..runtime.render_text import plain_text
+from ..runtime.render_text import render_text
 from ..types import Camera
 from .checks import (
     Samples,
@@ -93,7 +93,7 @@ class InspectReport:
         return Group(self._facts(), self._conventions(), *lines)
 
     def __str__(self) -> str:
-        return plain_text(self.table())
+        return render_text(self.table())
 
     def _facts(self) -> Table:
         table = Table(title=f"{self.path} ({self.format})", show_header=False)

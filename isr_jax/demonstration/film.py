@@ -84,11 +84,12 @@ def film_room(
     Raises:
         OutputError: the folder holds something else.
         SettingError: there is no such kind of room, or no frame is asked for.
+        LibraryError: the library lacks what a room cannot be without.
     """
     out_dir, reporter = Path(out_dir), reporter or LogReporter()
     plan = FilmPlan(seed, kind, frames, width, height, noise, pose_noise)
     _refuse(plan)
-    library = library or default_library()
+    library = default_library() if library is None else library
     stamp = plan.stamp(library)
     kept = _same_film(out_dir, stamp)
     reporter.stage("synthetic", kept)

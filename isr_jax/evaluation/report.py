@@ -11,7 +11,7 @@ from rich.console import Group
 from rich.table import Table
 
 from ..errors import OutputError
-from ..runtime.render_text import plain_text
+from ..runtime.render_text import render_text
 from .figures import Headline, percent
 from .graphs.graph_scores import AttachmentScores, EdgeScores
 from .graphs.support_planes import SupportPlaneScores
@@ -96,7 +96,7 @@ class EvaluationReport:
         return Group(top, self._class_table(), self.surface.table(), self.cad.table(), *models)
 
     def __str__(self) -> str:
-        return plain_text(self.table())
+        return render_text(self.table())
 
     def _class_table(self) -> Table:
         """A row a class, then both averages."""

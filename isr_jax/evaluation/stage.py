@@ -50,7 +50,7 @@ def evaluate(
         limits: Of the CAD alignment accuracy.
         released_counting: Also count as the released code does, for comparison only.
     """
-    truth_library = truth_library or library
+    truth_library = library if truth_library is None else truth_library
     truth = read_truth(Path(truth_dir))
     result = read_result(Path(result_dir), truth)
     compared = compare_segments(truth, result, transfer(truth.points, result.points))

@@ -5,16 +5,20 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from ..classes import class_named
+from ..classes import Mount, class_named
 from ..geometry.surface_samples import SurfaceSamples, surface_samples
 from ..robot_model import RobotModel, merged_mesh
 from ..types import Mesh, PlaneSet
 from .arrays import LibraryArrays, library_arrays
+
+Collision = Literal["exact", "stated", "coacd", "vhacd", "none"]
+"""How a model's hulls were made: by construction, by an imported file, by CoACD, by V-HACD (the
+fast stand-in), or not yet."""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -48,16 +52,13 @@ class CadModel:
     plane_supporting: Bool[np.ndarray, " planes"]
     symmetry: int
     """Order of rotational symmetry about z: 1, 2, 4, or 0 = round."""
-    mount: str
-    """``floor``, ``surface``, ``wall`` or ``opening``."""
+    mount: Mount
     licence: str
     content_hash: str
     """Of its files: what is stored about a model is stored under it."""
     handles: tuple[Handle, ...] = ()
     """One for each moving joint."""
-    collision: str = "exact"
-    """How its hulls were made: ``exact`` (by construction), ``stated`` (by an imported file),
-    ``coacd``, ``vhacd`` (the fast stand-in), or ``none`` (not made yet)."""
+    collision: Collision = "exact"
     swelling_m: float = 0.0
     """How far the hulls reach beyond the surface at most."""
     creator: str = "isr_jax"

@@ -12,13 +12,14 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
+from typing import cast, get_args
 
 import numpy as np
 
 from ..errors import OutputError, SceneError
 from ..types import Mesh
 from .mesh_files import mesh_contents, read_mesh_file
-from .model import Joint, Link, RobotModel, Texture, Visual
+from .model import Joint, JointKind, Link, RobotModel, Texture, Visual
 from .mtl import image_name
 from .primitives import as_box, bounds_of, box_between, center_and_size
 
@@ -28,6 +29,7 @@ MeshUri = Callable[[Mesh, str, Texture | None], str]
 
 _EFFORT_LIMIT = 100.0  # N or N m; URDF demands one, nothing here limits effort
 _VELOCITY_LIMIT = 2.0  # m/s or rad/s, likewise
+_JOINT_KINDS = get_args(JointKind)
 _NAME = re.compile(r"[A-Za-z0-9_.\-]+")
 _MOMENTS = tuple((a, b, f"i{'xyz'[a]}{'xyz'[b]}") for a in range(3) for b in range(a, 3))
 
@@ -224,15 +226,15 @@ def _read_shape(element: Element, folder: Path) -> tuple[Mesh, Texture | None]:
 
 def _read_joint(element: Element) -> Joint:
     kind = _get(element, "type")
-    if kind not in ("fixed", "revolute", "continuous", "prismatic"):
-        raise ValueError(f"joint type {kind!r} is not fixed, revolute, continuous or prismatic")
+    if kind not in _JOINT_KINDS:
+        raise ValueError(f"joint type {kind!r} is not one of {', '.join(_JOINT_KINDS)}")
     axis, limit = element.find("axis"), element.find("limit")
     dynamics = element.find("dynamics")
     limits = {} if limit is None else limit.attrib
     losses = {} if dynamics is None else dynamics.attrib
     return Joint(
         name=_get(element, "name"),
-        kind=kind,
+        kind=cast(JointKind, kind),
         parent=_get(_child(element, "parent"), "link"),
         child=_get(_child(element, "child"), "link"),
         T_parent_child=_read_origin(element),

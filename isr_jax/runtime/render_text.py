@@ -9,7 +9,7 @@ from rich.console import Console, RenderableType
 _WIDTH = 110
 
 
-def plain_text(shown: RenderableType) -> str:
+def render_text(shown: RenderableType) -> str:
     """What a terminal without colours would show."""
     text = io.StringIO()
     # In a notebook rich would write to the page instead.

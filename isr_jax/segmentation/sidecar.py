@@ -7,13 +7,34 @@ import math
 import tomllib
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from ..errors import SegmenterError
 from .sidecar_checks import check_channels, known_keys, one_of
 from .sidecar_labels import read_labels
 
-ROLES = {
+ModelKind = Literal["boxes", "semantics", "instances", "panoptic"]
+"""What a model finds; ``instances`` are boxes with masks."""
+Decoder = Literal["yolox", "logits", "labels", "yolo_seg", "queries"]
+"""How a model's outputs are read:
+
+- ``yolox``: [1, cells, 5 + classes], raw.
+- ``logits``: [1, classes, h, w]. ``labels``: [1, h, w].
+- ``yolo_seg``: cells [1, 4 + classes + p, cells], prototypes [1, p, h, w].
+- ``queries``: class logits [1, queries, classes + 1], the last for "no object", and mask logits
+  [1, queries, h, w].
+"""
+ImageLayout = Literal["NCHW", "NHWC"]
+"""Where the channels of an image or an image-like output are."""
+InputType = Literal["float32", "float16", "uint8"]
+ConstantType = Literal["float32", "int64", "int32", "bool"]
+ColorOrder = Literal["RGB", "BGR"]
+Resize = Literal["letterbox", "stretch"]
+"""How an image comes to the input's size: top left and padded, or stretched."""
+BoxUnit = Literal["pixels", "share"]
+"""Of the boxes of ``yolo_seg``: pixels of the model's input, or shares of its size."""
+
+ROLES: dict[Decoder, tuple[str, ...]] = {
     "yolox": ("output",),
     "logits": ("output",),
     "labels": ("output",),
@@ -21,7 +42,7 @@ ROLES = {
     "queries": ("classes", "masks"),
 }
 """The outputs that each decoder reads: ``[output]``, or a table ``[outputs.ROLE]`` for each."""
-DECODERS = {
+DECODERS: dict[ModelKind, tuple[Decoder, ...]] = {
     "boxes": ("yolox",),
     "semantics": ("logits", "labels"),
     "instances": ("yolo_seg",),
@@ -36,12 +57,10 @@ class Output:
 
     name: str
     shape: tuple[int, ...]
-    layout: str = "NCHW"
-    """``NCHW`` or ``NHWC``: where the channels of an image-like output are."""
+    layout: ImageLayout = "NCHW"
     strides: tuple[int, ...] = ()
     """Of the grids of a ``yolox`` output."""
-    box_unit: str = "pixels"
-    """Of the boxes of ``yolo_seg``: ``pixels`` of the model's input, or ``share`` of its size."""
+    box_unit: BoxUnit = "pixels"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,7 +69,7 @@ class Constant:
 
     name: str
     shape: tuple[int, ...]
-    dtype: str
+    dtype: ConstantType
     value: tuple[float, ...]
     """All elements, or one number for all of them."""
 
@@ -61,34 +80,22 @@ class Sidecar:
 
     source: str
     """Where it was found."""
-    kind: str
-    """``boxes``, ``semantics``, ``instances`` (boxes with masks) or ``panoptic``."""
-    decoder: str
-    """How its outputs are read:
-
-    - ``yolox``: [1, cells, 5 + classes], raw.
-    - ``logits``: [1, classes, h, w]. ``labels``: [1, h, w].
-    - ``yolo_seg``: cells [1, 4 + classes + p, cells], prototypes [1, p, h, w].
-    - ``queries``: class logits [1, queries, classes + 1], the last for "no object", and mask
-      logits [1, queries, h, w].
-    """
+    kind: ModelKind
+    decoder: Decoder
     class_of: tuple[int, ...]
     """Our class for each of the model's labels; 0 = none."""
     is_thing: tuple[bool, ...]
     """Whether the model tells instances of that label apart."""
     input_name: str
     input_shape: tuple[int, ...]
-    layout: str
-    """``NCHW`` or ``NHWC``."""
-    dtype: str
-    color: str
-    """``RGB`` or ``BGR``."""
-    resize: str
-    """``letterbox`` (top left, padded) or ``stretch``."""
+    layout: ImageLayout
+    dtype: InputType
+    color: ColorOrder
+    resize: Resize
     pad: int
     mean: tuple[float, ...]
     scale: tuple[float, ...]
-    """Input = (pixel - mean) * scale, a channel; pixels are 0 to 255."""
+    """Input = (pixel - mean) * scale, per channel; pixels are 0 to 255."""
     outputs: dict[str, Output]
     """By role; see `ROLES`."""
     constants: tuple[Constant, ...] = ()
@@ -101,7 +108,11 @@ class Sidecar:
 
 
 def find_sidecar(model: Path) -> Sidecar:
-    """The TOML file beside ``model``, or the shipped one of the same name."""
+    """The TOML file beside ``model``, or the shipped one of the same name.
+
+    Raises:
+        SegmenterError: There is none, or what it says is wrong.
+    """
     beside = model.with_suffix(".toml")
     if beside.is_file():
         return parse_sidecar(beside.read_text("utf-8"), str(beside))
@@ -122,7 +133,15 @@ def shipped_sidecars() -> list[str]:
 
 
 def parse_sidecar(text: str, source: str) -> Sidecar:
-    """Read and check a sidecar; ``source`` names it in errors."""
+    """Read and check a sidecar.
+
+    Args:
+        text: TOML.
+        source: Names it in errors.
+
+    Raises:
+        SegmenterError: It is not TOML, lacks a key, or holds an unknown key or value.
+    """
     try:
         content = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -135,8 +154,8 @@ def parse_sidecar(text: str, source: str) -> Sidecar:
 
 def _from_toml(content: dict[str, Any], source: str) -> Sidecar:
     known_keys(source, content)
-    kind = one_of(source, "kind", content["kind"], tuple(DECODERS))
-    decoder = one_of(source, "decoder", content["decoder"], DECODERS[kind])
+    kind: ModelKind = one_of(source, "kind", content["kind"], tuple(DECODERS))
+    decoder: Decoder = one_of(source, "decoder", content["decoder"], DECODERS[kind])
     class_of, is_thing = read_labels(content, source)
     given = content["input"]
     sidecar = Sidecar(
@@ -147,10 +166,10 @@ def _from_toml(content: dict[str, Any], source: str) -> Sidecar:
         is_thing=is_thing,
         input_name=given["name"],
         input_shape=tuple(given["shape"]),
-        layout=one_of(source, "input.layout", given["layout"], ("NCHW", "NHWC")),
-        dtype=one_of(source, "input.dtype", given["dtype"], ("float32", "float16", "uint8")),
-        color=one_of(source, "input.color", given["color"], ("RGB", "BGR")),
-        resize=one_of(source, "input.resize", given["resize"], ("letterbox", "stretch")),
+        layout=one_of(source, "input.layout", given["layout"], get_args(ImageLayout)),
+        dtype=one_of(source, "input.dtype", given["dtype"], get_args(InputType)),
+        color=one_of(source, "input.color", given["color"], get_args(ColorOrder)),
+        resize=one_of(source, "input.resize", given["resize"], get_args(Resize)),
         pad=given.get("pad", 0),
         mean=_floats(given.get("mean", [0.0, 0.0, 0.0])),
         scale=_floats(given.get("scale", [1.0, 1.0, 1.0])),
@@ -179,10 +198,12 @@ def _output(table: dict[str, Any], source: str, where: str) -> Output:
     return Output(
         name=table["name"],
         shape=tuple(table["shape"]),
-        layout=one_of(source, f"{where}.layout", table.get("layout", "NCHW"), ("NCHW", "NHWC")),
+        layout=one_of(
+            source, f"{where}.layout", table.get("layout", "NCHW"), get_args(ImageLayout)
+        ),
         strides=tuple(table.get("strides", ())),
         box_unit=one_of(
-            source, f"{where}.box_unit", table.get("box_unit", "pixels"), ("pixels", "share")
+            source, f"{where}.box_unit", table.get("box_unit", "pixels"), get_args(BoxUnit)
         ),
     )
 
@@ -211,7 +232,7 @@ def _constant(table: dict[str, Any], source: str) -> Constant:
             f"{source}: constant {table['name']!r} of shape {list(shape)} has {len(value)} values",
             f"give one number for all, or {size}",
         )
-    dtypes = ("float32", "int64", "int32", "bool")
+    dtypes = get_args(ConstantType)
     return Constant(
         table["name"],
         shape,

@@ -2,33 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 from ..errors import SegmenterError
 
+Choice = TypeVar("Choice", bound=str)
+
 _OUTPUT_KEYS = ("name", "shape", "layout", "strides", "box_unit")
-_KEYS = {
+_KEYS: dict[str, tuple[str, ...]] = {
     "": (
-        "kind", "decoder", "label_set", "label_order", "label_count", "labels",
-        "input", "output", "outputs", "constants",
+        *("kind", "decoder", "label_set", "label_order", "label_count", "labels"),
+        *("input", "output", "outputs", "constants"),
     ),
-    "input": (
-        "name", "shape", "layout", "dtype", "color", "resize", "pad", "mean", "scale",
-    ),
+    "input": ("name", "shape", "layout", "dtype", "color", "resize", "pad", "mean", "scale"),
     "constants": ("name", "shape", "dtype", "value"),
     "outputs": ("cells", "prototypes", "classes", "masks"),
-}  # fmt: skip
+}
 
 
-def one_of(source: str, key: str, value: Any, choices: tuple[str, ...]) -> str:
-    """``value``, if it is one of ``choices``."""
+def one_of(source: str, key: str, value: Any, choices: tuple[Choice, ...]) -> Choice:
+    """``value``, if it is one of ``choices``.
+
+    Raises:
+        SegmenterError: It is none of them.
+    """
     if value not in choices:
         raise SegmenterError(f"{source}: {key} = {value!r}", f"use one of: {', '.join(choices)}")
     return value
 
 
 def known_keys(source: str, content: dict[str, Any]) -> None:
-    """Refuse a misspelt key, which would else be a default that nobody chose."""
+    """Refuse a misspelt key, which would else be a default that nobody chose.
+
+    Raises:
+        SegmenterError: A key is unknown.
+    """
     tables = [("", content, _KEYS[""]), ("input.", content.get("input", {}), _KEYS["input"])]
     tables += [("constants.", c, _KEYS["constants"]) for c in content.get("constants", ())]
     tables += [("output.", content.get("output", {}), _OUTPUT_KEYS)]
@@ -46,7 +54,11 @@ def known_keys(source: str, content: dict[str, Any]) -> None:
 def check_channels(
     source: str, decoder: str, labels: int, shapes: dict[str, tuple[int, ...]]
 ) -> None:
-    """Refuse outputs (by role, channels first) that cannot be of that many labels."""
+    """Refuse outputs (by role, channels first) that cannot be of that many labels.
+
+    Raises:
+        SegmenterError: A shape does not fit the decoder and the labels.
+    """
     if decoder == "yolox":
         expected = {"output": (None, None, 5 + labels)}
     elif decoder == "logits":

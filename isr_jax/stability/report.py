@@ -12,7 +12,7 @@ from rich.console import Group
 from rich.table import Table
 
 from ..errors import OutputError
-from ..runtime.render_text import plain_text
+from ..runtime.render_text import render_text
 
 
 @dataclasses.dataclass(frozen=True)
@@ -149,7 +149,7 @@ class StabilityReport:
         return Group(_summary(self), _bodies(self))
 
     def __str__(self) -> str:
-        return plain_text(self.table())
+        return render_text(self.table())
 
 
 def _plain(value: Any) -> Any:

@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Literal
 
+from ...config import HullMethod, HullsToCheck
 from ...errors import IsrError, LibraryError
 from ...library import CadLibrary, CadModel
-from ..collision import Method, with_hulls
+from ..collision import with_hulls
 from ..model_files import load_model
 from .model import check_model, unread
 from .report import CheckReport, ModelCheck
@@ -28,7 +28,7 @@ def check_library(
     workers: int = 2,
     progress: Progress | None = None,
     only: Iterable[str] = (),
-    hulls: Literal["stored", "vhacd", "coacd"] = "stored",
+    hulls: HullsToCheck = "stored",
     settings: CheckSettings | None = None,
 ) -> CheckReport:
     """Check every model.
@@ -81,7 +81,7 @@ def _jobs(library: CadLibrary | Path | str, only: tuple[str, ...]) -> tuple[str,
     return source, chosen
 
 
-def _hulled(jobs: list[_Job], method: Method, workers: int) -> list[_Job]:
+def _hulled(jobs: list[_Job], method: HullMethod, workers: int) -> list[_Job]:
     """Models with hulls; of what cannot be read, still the folder, so that the check says why."""
     loaded: dict[int, CadModel] = {}
     for i, job in enumerate(jobs):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import Literal
+from typing import get_args
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -16,6 +16,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import QhullError
 
+from ...config import HullMethod
 from ..adjacency import adjacency
 from .decompose import Pieces, coacd_pieces, vhacd_pieces
 from .merging import merged
@@ -23,8 +24,7 @@ from .slicing import slices
 from .solid import Hull, hull_of
 from .swelling import Reference
 
-Method = Literal["coacd", "vhacd"]
-METHODS: dict[str, Method] = {"coacd": "coacd", "vhacd": "vhacd"}
+METHODS: dict[str, HullMethod] = {method: method for method in get_args(HullMethod)}
 """By name, for settings and messages from outside."""
 MAX_HULLS = 64
 """Of one link: more are merged."""
@@ -64,7 +64,7 @@ def bound_m(size: Float[np.ndarray, "3"]) -> float:
 
 
 def link_hulls(
-    vertices: Float[np.ndarray, "vertices 3"], faces: Int[np.ndarray, "faces 3"], method: Method
+    vertices: Float[np.ndarray, "vertices 3"], faces: Int[np.ndarray, "faces 3"], method: HullMethod
 ) -> LinkHulls:
     """Convex hulls of a link's welded triangles.
 
@@ -79,7 +79,7 @@ def link_hulls(
     hulls = list(convex)
     together = _together(vertices, bent)
     for k, part in enumerate(together):
-        by: Method = method if k < _MAX_COACD_PARTS else "vhacd"
+        by: HullMethod = method if k < _MAX_COACD_PARTS else "vhacd"
         hulls += _decomposed(vertices, part, by, bound, notes)
     if method == "coacd" and len(together) > _MAX_COACD_PARTS:
         notes.append(f"coacd for the {_MAX_COACD_PARTS} largest bent parts, cuts for the others")
@@ -153,7 +153,7 @@ def _together(vertices: np.ndarray, bent: list[np.ndarray]) -> list[np.ndarray]:
 
 
 def _decomposed(
-    vertices: np.ndarray, faces: np.ndarray, method: Method, bound: float, notes: list[str]
+    vertices: np.ndarray, faces: np.ndarray, method: HullMethod, bound: float, notes: list[str]
 ) -> list[Hull]:
     """Hulls of one bent part; finer once where they swell, by other means where that fails."""
     used, inverse = np.unique(faces, return_inverse=True)
@@ -180,7 +180,7 @@ Attempt = Callable[[np.ndarray, np.ndarray], Pieces]
 """Pieces of welded vertices and faces."""
 
 
-def _attempts(method: Method, bound: float) -> list[tuple[str, Attempt]]:
+def _attempts(method: HullMethod, bound: float) -> list[tuple[str, Attempt]]:
     """What is tried first, and what is tried where that swells too much.
 
     The fast method cuts along the axes: measured on catalogue furniture, vhacd alone swelled five

@@ -8,10 +8,11 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import QhullError
 
+from ...config import HullMethod
 from ...robot_model import RobotModel, link_transforms
 from ...types import Mesh
 from .apart import parted
-from .link_hulls import Method, bound_m, link_hulls
+from .link_hulls import bound_m, link_hulls
 from .solid import Hull, hull_of
 
 _REPORTED_OVERLAP_M = 0.005
@@ -82,7 +83,7 @@ def _welded(meshes: list[Mesh]) -> tuple[np.ndarray, np.ndarray]:
     return vertices[first], rows[kept][np.sort(once)]
 
 
-def model_hulls(shapes: tuple[LinkShape, ...], method: Method) -> ModelHulls:
+def model_hulls(shapes: tuple[LinkShape, ...], method: HullMethod) -> ModelHulls:
     """Hulls of every link that is seen, cut so that no link's hulls reach into another's."""
     hulls: list[list[Hull]] = []
     notes: list[str] = []

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 from jaxtyping import Float
 
+from ...classes import Mount
 from ...robot_model import RobotModel
 
 Vector = Float[np.ndarray, "3"]
@@ -22,7 +23,7 @@ class FoundModel:
     robot: RobotModel
     """Hulls only where the file states collision shapes; mass 0 where it states none."""
     unit_m: float | None = None
-    """Metres a unit of length."""
+    """Metres per unit of length."""
     up: Vector | None = None
     """Unit, file frame."""
     front: Vector | None = None
@@ -36,8 +37,7 @@ class FoundModel:
     licence: str | None = None
     creator: str | None = None
     mass_kg: float | None = None
-    mount: str | None = None
-    """``floor``, ``surface``, ``wall`` or ``opening``."""
+    mount: Mount | None = None
     elevation_m: float | None = None
     """Stated height of its underside above the floor: hung, or put on something."""
     handles: dict[str, Vector] = dataclasses.field(default_factory=dict)

@@ -6,10 +6,17 @@ import dataclasses
 
 import numpy as np
 
-from ...classes import class_named
+from ...classes import Mount, class_named
 from ...library import CadModel, Handle, held
-from ...robot_model import Joint, Link, RobotModel, Visual, combined_properties, solid_properties
-from ...robot_model.model import JointKind
+from ...robot_model import (
+    Joint,
+    JointKind,
+    Link,
+    RobotModel,
+    Visual,
+    combined_properties,
+    solid_properties,
+)
 from ...types import PlaneSet
 from ..model_files import with_content_hash
 from .materials import Material
@@ -54,10 +61,10 @@ class ModelBuilder:
     joints are closed; whatever moves keeps 2 mm from everything else over its whole travel.
     """
 
-    def __init__(self, class_name: str, *, symmetry: int, mount: str | None = None) -> None:
+    def __init__(self, class_name: str, *, symmetry: int, mount: Mount | None = None) -> None:
         self.class_name = class_name
         self._symmetry = symmetry
-        self._mount = mount or class_named(class_name).mount
+        self._mount: Mount = mount or class_named(class_name).mount
         self._parts: list[_Part] = []
         self._joints: list[_Joint] = []
 

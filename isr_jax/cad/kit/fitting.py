@@ -20,7 +20,7 @@ _STEPS = 12
 _AXES = ("width", "depth", "height")
 
 
-def fit(model: CadModel | str, size: Sequence[float], *, detail: str = "medium") -> CadModel:
+def fit_cad(model: CadModel | str, size: Sequence[float], *, detail: str = "medium") -> CadModel:
     """Make a model of the kit at ``size`` instead of stretching it.
 
     The maker is called with other dimensions; where the box that comes out differs from what

@@ -30,10 +30,22 @@ class Row:
     follows: Mapping[str, int]
     """Options that grow with the box when it is fitted: name and axis (0, 1, 2)."""
 
+    def having(self, *, follows: Mapping[str, int] | None = None, **options: Any) -> Row:
+        """The row with these of its maker's keyword arguments, and these that follow the size."""
+        return dataclasses.replace(
+            self,
+            options={**self.options, **options},
+            follows={**self.follows, **(follows or {})},
+        )
+
     def design(
         self, size: tuple[float, float, float] | None = None, detail: str = "medium"
     ) -> ModelBuilder:
-        """The design at this row's size, or at another one."""
+        """The design at this row's size, or at another one, metres.
+
+        Raises:
+            SettingError: there is no such level of detail.
+        """
         asked = self.size if size is None else size
         options, defaults = dict(self.options), _defaults(self.maker)
         for name, axis in self.follows.items():
@@ -44,18 +56,9 @@ class Row:
         return self.maker(*asked, **options)
 
 
-def row(
-    name: str,
-    maker: Maker,
-    width: float,
-    depth: float,
-    height: float,
-    *,
-    follows: Mapping[str, int] | None = None,
-    **options,
-) -> Row:
-    """A row of the catalogue; ``options`` are the maker's keyword arguments."""
-    return Row(name, maker, (width, depth, height), options, dict(follows or {}))
+def row(name: str, maker: Maker, width: float, depth: float, height: float) -> Row:
+    """A row of the catalogue: a maker with its own defaults, at a size in metres."""
+    return Row(name, maker, (width, depth, height), {}, {})
 
 
 def sides_of(detail: str) -> int:

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 
-from ....classes import class_named
+from ....classes import Mount, class_named
 from ....errors import LibraryError
 from ....library import CadModel, held
 from ....robot_model import RobotModel
@@ -132,7 +132,7 @@ def _hung(class_name: str, found: FoundModel, notes: list[str]) -> str:
     return class_name
 
 
-def _mount(found: FoundModel, class_name: str, notes: list[str]) -> str:
+def _mount(found: FoundModel, class_name: str, notes: list[str]) -> Mount:
     usual = class_named(class_name).mount
     if found.mount is not None:
         return found.mount

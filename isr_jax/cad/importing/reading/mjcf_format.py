@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from ....errors import LibraryError
-from ....robot_model import Joint, RobotModel
+from ....robot_model import Joint, JointKind, RobotModel
 from ..found import FoundModel
 from ..names import shown
 from .convex_shapes import hull_of
@@ -27,7 +27,7 @@ from .textures import Images
 
 ROOT_LINK = "world"
 _DEFAULT_DENSITY = 1000.0
-_JOINT_KINDS = {
+_JOINT_KINDS: dict[int, JointKind] = {
     int(mujoco.mjtJoint.mjJNT_HINGE): "revolute",
     int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic",
 }
@@ -221,7 +221,7 @@ class _JointRow:
 
     row: int
     name: str
-    kind: str
+    kind: JointKind
     lower: float
     upper: float
     damping: float
@@ -246,7 +246,5 @@ class _JointRow:
         )
 
     def as_joint(self, parent: str, child: str, T: np.ndarray, axis: np.ndarray) -> Joint:
-        return Joint(
-            self.name, self.kind, parent, child, T, axis,  # type: ignore[arg-type]
-            self.lower, self.upper, self.damping, self.friction,
-        )  # fmt: skip
+        frame = (self.name, self.kind, parent, child, T, axis)
+        return Joint(*frame, self.lower, self.upper, self.damping, self.friction)

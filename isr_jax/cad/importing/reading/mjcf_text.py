@@ -72,11 +72,6 @@ class MjcfText:
     notes: tuple[str, ...]
 
 
-def is_mjcf(content: bytes) -> bool:
-    """Whether the bytes look like a whole MJCF document."""
-    return b"<mujoco" in content and b"<mujocoinclude" not in content.split(b"<mujoco", 1)[1][:10]
-
-
 def included_files(files: Files, name: str, limits: ReadLimits) -> set[str]:
     """Documents and meshes that an MJCF names, of those that are there."""
     found: set[str] = set()

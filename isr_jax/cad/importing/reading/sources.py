@@ -1,4 +1,4 @@
-"""What can be taken in from a folder, an archive or a file: one item a model or document."""
+"""What can be taken in from a folder, an archive or a file: one item per model or document."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import posixpath
 import re
 from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 from ....errors import LibraryError
 from ..found import FoundModel
@@ -19,6 +20,7 @@ from .safe_xml import parse_xml
 from .simplify import within_budget
 
 FORMATS = "OBJ, GLB, glTF, STL, PLY, DAE, URDF, MJCF, PartNet-Mobility, ShapeNetSem and .sh3f"
+ItemKind = Literal["mesh", "urdf", "mjcf", "partnet", "shapenet_sem", "sweethome3d", "refused"]
 _LOOKS_LIKE_A_ROBOT = re.compile(rb"<\s*(mujoco|robot)\b")
 _ROBOT_ENDINGS = (".urdf", ".xml", ".mjcf")
 _LIMITS = ReadLimits()
@@ -28,9 +30,7 @@ _LIMITS = ReadLimits()
 class Item:
     """One model, or one document of several, that was recognised but not read yet."""
 
-    kind: str
-    """``mesh``, ``urdf``, ``mjcf``, ``partnet``, ``shapenet_sem``, ``sweethome3d`` or
-    ``refused``."""
+    kind: ItemKind
     root: Path
     """The folder or archive that its files are in."""
     entry: str
@@ -54,7 +54,7 @@ def _light(found: FoundModel, limits: ReadLimits) -> FoundModel:
     return dataclasses.replace(found, robot=robot, notes=(*found.notes, *notes))
 
 
-_READERS: dict[str, Callable[[Files, Item, ReadLimits], tuple[FoundModel, ...]]] = {
+_READERS: dict[ItemKind, Callable[[Files, Item, ReadLimits], tuple[FoundModel, ...]]] = {
     "mesh": lambda files, item, limits: (rigid.read_mesh_model(files, item.entry, limits),),
     "urdf": lambda files, item, limits: (urdf_format.read_urdf_model(files, item.entry, limits),),
     "mjcf": lambda files, item, limits: mjcf_format.read_mjcf_models(files, item.entry, limits),
@@ -105,12 +105,15 @@ def _archive_items(path: Path, label: str, limits: ReadLimits) -> list[Item]:
     except LibraryError as error:
         return [_refused(path, "", shown(label), error)]
     refused = [
-        _refused(path, name, f"{files.label}/{shown(name)}", LibraryError(
-            f"{shown(name)} of {files.label} is not read: {reason}", "pack the archive again"
-        ))
+        _refused(path, name, f"{files.label}/{shown(name)}", _unread(files, name, reason))
         for name, reason in sorted(files.refused.items())
-    ]  # fmt: skip
+    ]
     return _items(files, path, limits, files.names) + refused
+
+
+def _unread(files: Files, name: str, reason: str) -> LibraryError:
+    problem = f"{shown(name)} of {files.label} is not read: {reason}"
+    return LibraryError(problem, "pack the archive again")
 
 
 def _refused(root: Path, entry: str, source: str, error: LibraryError) -> Item:
@@ -139,7 +142,7 @@ class _Search:
         self._owned: list[str] = []
         self.items: list[Item] = []
 
-    def _add(self, kind: str, name: str, record: dict[str, str] | None = None) -> None:
+    def _add(self, kind: ItemKind, name: str, record: dict[str, str] | None = None) -> None:
         source = f"{self._files.label}/{shown(name)}"
         self.items.append(Item(kind, self._root, name, source, record or {}))
 

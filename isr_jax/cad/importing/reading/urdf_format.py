@@ -5,14 +5,13 @@ from __future__ import annotations
 import dataclasses
 import io
 import posixpath
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 import numpy as np
 import yourdfpy
 
 from ....errors import LibraryError
-from ....robot_model import Joint
-from ....robot_model.model import JointKind
+from ....robot_model import Joint, JointKind
 from ....types import Mesh
 from ..found import FoundModel
 from ..names import shown
@@ -26,7 +25,7 @@ from .robot_tree import JointFacts, LinkFacts, assembled
 from .safe_xml import parse_xml
 from .textures import Images
 
-_KINDS = ("fixed", "revolute", "continuous", "prismatic")
+_KINDS = get_args(JointKind)
 _UP = np.array([0.0, 0.0, 1.0])
 
 

@@ -7,6 +7,7 @@ and softener lie below it (makers' catalogues).
 
 from __future__ import annotations
 
+from ....classes import Mount
 from .. import materials as m
 from ..builder import ModelBuilder
 from ..furniture.fronts import CLEARANCE_M
@@ -29,7 +30,7 @@ def dishwasher(
     shell: m.Material = m.WHITE_SHEET,
     front: m.Material = m.WHITE_SHEET,
     board: m.Material | None = None,
-    mount: str | None = None,
+    mount: Mount | None = None,
 ) -> ModelBuilder:
     """A tub with fixed racks behind a door that opens down, controls in its upper part.
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from ....classes import Mount
 from .. import materials as m
 from ..builder import ModelBuilder
 from ..shapes.strips import strip
@@ -39,7 +40,7 @@ def table_lamp(
     material: m.Material = m.CAST_CERAMIC,
     shade_material: m.Material = m.LAMP_CLOTH,
     foot_material: m.Material = m.CAST_IRON,
-    mount: str | None = None,
+    mount: Mount | None = None,
     sides: int = ROUND_SIDES,
 ) -> ModelBuilder:
     """A shade over a turned body on a foot.

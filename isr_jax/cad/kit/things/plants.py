@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from ....classes import Mount
 from .. import materials as m
 from ..builder import ModelBuilder
 from ..shapes.strips import raised, spike
@@ -89,7 +90,7 @@ def leafy_plant(
     material: m.Material = m.TERRACOTTA,
     leaf_material: m.Material = m.LEAF,
     stem_material: m.Material = m.STEM,
-    mount: str | None = None,
+    mount: Mount | None = None,
     sides: int = ROUND_SIDES,
 ) -> ModelBuilder:
     """A stem with leaves all the way up, as a rubber plant has.
@@ -178,7 +179,7 @@ def blade_plant(
     outer: float = 0.75,
     material: m.Material = m.CERAMIC,
     leaf_material: m.Material = m.DARK_LEAF,
-    mount: str | None = None,
+    mount: Mount | None = None,
     sides: int = ROUND_SIDES,
 ) -> ModelBuilder:
     """Eight stiff blades from the soil, as a snake plant or an aloe has.

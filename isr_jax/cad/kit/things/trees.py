@@ -6,6 +6,7 @@ convex clusters with the density of leaves and twigs and the air between.
 
 from __future__ import annotations
 
+from ....classes import Mount
 from .. import materials as m
 from ..builder import ModelBuilder
 from ..shapes.turned import Profile, rounds_of, stack
@@ -28,7 +29,7 @@ def tree(
     crown: Profile = BALL,
     material: m.Material = m.TERRACOTTA,
     leaf_material: m.Material = m.FOLIAGE,
-    mount: str | None = None,
+    mount: Mount | None = None,
     sides: int = ROUND_SIDES,
 ) -> ModelBuilder:
     """A trunk through one or more clipped crowns above one another.
@@ -71,7 +72,7 @@ def cactus(
     arms: bool = True,
     material: m.Material = m.TERRACOTTA,
     leaf_material: m.Material = m.CACTUS,
-    mount: str | None = None,
+    mount: Mount | None = None,
     sides: int = ROUND_SIDES,
 ) -> ModelBuilder:
     """A column ``body`` times as wide as the pot, which is as deep as the box.
