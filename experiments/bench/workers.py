@@ -14,6 +14,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any, Protocol, TypeVar
 
 from isr_jax.runtime.caches import enable_compilation_cache
+from isr_jax.runtime.cores import usable_cores
 
 from .plan import RoomSpec
 
@@ -91,7 +92,7 @@ def work_through(works: Sequence[Work], jobs: int) -> Iterator[Ended]:
         for work in works:
             yield from work.through()
         return
-    with _few_threads(max(1, (os.cpu_count() or 1) // jobs)):
+    with _few_threads(max(1, usable_cores() // jobs)):
         yield from _apart(list(works), jobs)
 
 
