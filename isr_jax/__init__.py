@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .alignment import align, alignment_error
+    from .borders import simulation
     from .cad import build_library, default_library, fit, load_library, open_library
     from .config import Settings, preset, with_overrides
     from .datasets import inspect_sequence, open_sequence
@@ -64,15 +65,20 @@ _HOME = {
     "replace_with_cad": "pipeline",
     "run": "pipeline",
     "settle": "stability",
+    "simulation": "borders.simulation",
     "view": "viewer",
     "with_overrides": "config",
 }
+
+_MODULES = {"simulation"}
+"""Public as a whole."""
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
+    home = importlib.import_module(f".{_HOME[name]}", __name__)
+    return home if name in _MODULES else getattr(home, name)
 
 
 def __dir__() -> list[str]:
@@ -107,6 +113,7 @@ __all__ = [
     "replace_with_cad",
     "run",
     "settle",
+    "simulation",
     "view",
     "with_overrides",
 ]
