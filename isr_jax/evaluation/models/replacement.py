@@ -6,6 +6,7 @@ import dataclasses
 
 from rich.table import Table
 
+from ...config import DEFAULT_SUPPORT, SupportSettings
 from ...library import CadLibrary
 from ..figures import Headline, millimetres, percent
 from ..matches import Match
@@ -64,6 +65,7 @@ def score_replacement(
     library: CadLibrary,
     truth_library: CadLibrary,
     limits: AlignmentLimits,
+    support: SupportSettings = DEFAULT_SUPPORT,
 ) -> ReplacementScores:
     """All measures of CAD replacement.
 
@@ -74,6 +76,7 @@ def score_replacement(
         library: The result's models.
         truth_library: The room's models.
         limits: Of alignment accuracy.
+        support: Which planes may carry (a_th).
 
     Raises:
         SceneError: a model is in neither library.
@@ -89,7 +92,7 @@ def score_replacement(
         retrieval=score_retrieval(cases, library),
         scan2cad=score_scan2cad(seen, placed, limits),
         chamfer=ChamferScores.over(tuple(row for case in cases for row in _chamfer_rows(case))),
-        equivalence=score_equivalence(truth, result, matches, cases),
+        equivalence=score_equivalence(truth, result, matches, cases, support),
     )
 
 
