@@ -142,7 +142,7 @@ def test_a_picture_shows_the_scene_before_and_after_it_has_moved(tmp_path):
 
 NAMELESS = """<mujoco model="flat"><worldbody><geom type="plane" size="3 3 .1"/>
 <frame pos="0 0 1"><body><geom type="box" size=".1 .1 .1"/></body></frame>
-<body name="gate" pos="1 0 1"><joint type="hinge" axis="0 0 1" range="0 90"/><geom size=".1"/></body>
+<body name="gate" pos="1 0 1"><joint axis="0 0 1" range="0 90"/><geom size=".1"/></body>
 <body pos="2 0 1"><freejoint/><geom size=".1"/></body>
 <body name="target" mocap="true" pos="2 3 1"><geom size=".1"/></body>
 <body name="holder" pos="2 5 1"><body><geom size=".1"/></body></body>

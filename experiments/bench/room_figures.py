@@ -14,13 +14,22 @@ from isr_jax.errors import SceneError
 from .sheets import Sheet
 
 _HEADINGS = (
-    "room", "m2", "objects", "classes", "with joints", "levels", "occluded, %", "seen, %",
-    "well seen, %", "taken away", "drift, mm",
-)  # fmt: skip
+    "room",
+    "m2",
+    "objects",
+    "classes",
+    "with joints",
+    "levels",
+    "occluded, %",
+    "seen, %",
+    "well seen, %",
+    "taken away",
+    "drift, mm",
+)
 
 
 def room_sheet(out_dir: Path) -> Sheet:
-    """A row a filmed room, and their mean.
+    """One row per filmed room, and their mean.
 
     Objects are the things among its items; levels the longest way down a tower (a cup on a book
     on a table: 3). Occluded: of an entity's pixels that nothing but the image's border would

@@ -49,7 +49,7 @@ class Work(Protocol):
         ...
 
     def through(self) -> Iterator[Ended]:
-        """Do it: the film comes first, then a run at a time."""
+        """Do it: the film comes first, then one run at a time."""
         ...
 
 
@@ -98,7 +98,7 @@ def work_through(works: Sequence[Work], jobs: int) -> Iterator[Ended]:
 
 @contextlib.contextmanager
 def _few_threads(count: int) -> Iterator[None]:
-    """Processes that start within have so many threads a library, unless the user said else."""
+    """Processes that start within have so many threads per library, unless the user said else."""
     added = {name: str(count) for name in _THREADS if name not in os.environ}
     os.environ.update(added)
     try:

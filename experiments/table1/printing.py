@@ -1,4 +1,4 @@
-"""The table: sequence by sequence, a row a source, a column a figure."""
+"""The table: sequence by sequence, one row per source, one column per figure."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class AnnotatedMesh:
 
 
 def read_mesh(path: Path) -> tuple[Mesh, dict[str, np.ndarray]]:
-    """A PLY file's mesh, and its other columns a vertex; `SequenceError` for positions that are
+    """A PLY file's mesh, and its other columns per vertex; `SequenceError` for positions that are
     not finite."""
     found = read_ply_mesh(path)
     table = found.vertices

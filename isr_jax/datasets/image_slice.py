@@ -12,7 +12,7 @@ from jaxtyping import UInt8, UInt16
 from ..errors import FrameError
 
 CODINGS = ("encoded", "raw_rgb", "raw_ushort", "zlib_ushort")
-"""JPEG or PNG; 3 bytes a pixel; 16 bits a pixel, little-endian; the same, deflated."""
+"""JPEG or PNG; 3 bytes per pixel; 16 bits per pixel, little-endian; the same, deflated."""
 
 
 @dataclasses.dataclass(frozen=True)

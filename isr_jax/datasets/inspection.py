@@ -60,7 +60,7 @@ class InspectReport:
     format: str
     frames: int
     incomplete: tuple[str, ...]
-    """One line a frame that cannot be used: a missing file, a bad pose."""
+    """One line per frame that cannot be used: a missing file, a bad pose."""
     camera: Camera | None
     intrinsics_source: str
     units_per_metre: float

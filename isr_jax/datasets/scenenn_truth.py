@@ -1,4 +1,4 @@
-"""Ground truth of a SceneNN scene: ``NNN.ply`` with a label a vertex, ``NNN.xml`` with names.
+"""Ground truth of a SceneNN scene: ``NNN.ply`` with one label per vertex, ``NNN.xml`` with names.
 
 An element ``label`` has id, text, color and obbox: centre, size and quaternion x y z w (the
 authors' project page, quoted in SceneNN issue 11). The later annotation (contrib/nyu_class) adds

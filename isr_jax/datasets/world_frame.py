@@ -63,7 +63,7 @@ def sample_cloud(
     camera: Camera,
     T_dataset_camera: Float[np.ndarray, "4 4"],
 ) -> tuple[Float[np.ndarray, "points 3"], Float[np.ndarray, "points 3"]]:
-    """Points and unit normals of one frame, a point a block of pixels (8x8 in VGA)."""
+    """Points and unit normals of one frame, one point per block of pixels (8x8 in VGA)."""
     side = max(1, depth_m.shape[1] // _COLUMNS)
     mean, valid = _block_means(depth_m, side)
     v, u = np.indices(mean.shape) * side + (side - 1) / 2

@@ -99,7 +99,7 @@ class EvaluationReport:
         return plain_text(self.table())
 
     def _class_table(self) -> Table:
-        """A row a class, then both averages."""
+        """One row per class, then both averages."""
         headings = ("class", "PQ", "SQ", "RQ", "TP/FP/FN", "mask AP", "box AP", "11-point box AP")
         table = Table(
             *headings,

@@ -44,11 +44,9 @@ class ReplacementScores:
         )
 
     def table(self) -> Table:
-        """A row a true model: retrieval, distance, and the parts of its equivalence."""
-        table = Table(
-            "true entity", "model", "hit rank", "Chamfer", "relations", "affordance", "geometry",
-            "appearance", "score",
-        )  # fmt: skip
+        """One row per true model: retrieval, distance, and the parts of its equivalence."""
+        parts_of_score = ("relations", "affordance", "geometry", "appearance", "score")
+        table = Table("true entity", "model", "hit rank", "Chamfer", *parts_of_score)
         for r, e in zip(self.retrieval.rows, self.equivalence.rows, strict=True):
             parts = (e.relations, e.affordance, e.geometry, e.appearance, e.score)
             rank = "-" if r.rank is None else str(r.rank)

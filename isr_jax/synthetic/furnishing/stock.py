@@ -146,7 +146,10 @@ def center_of_mass(model: CadModel) -> np.ndarray:
     """[3] canonical frame, metres, joints closed."""
     poses = link_transforms(model.robot)
     masses = np.array([link.mass_kg for link in model.robot.links])
-    centers = np.array([
-        poses[link.name][:3, :3] @ link.com + poses[link.name][:3, 3] for link in model.robot.links
-    ])  # fmt: skip
+    centers = np.array(
+        [
+            poses[link.name][:3, :3] @ link.com + poses[link.name][:3, 3]
+            for link in model.robot.links
+        ]
+    )
     return masses @ centers / masses.sum()
