@@ -136,8 +136,9 @@ def inspect_sequence(
 ) -> InspectReport:
     """Look a sequence over without running anything on it.
 
-    Raises `SequenceError` only where there is nothing to look at; everything else that is wrong
-    comes in `InspectReport.problems`.
+    Raises:
+        SequenceError: there is nothing to look at; everything else that is wrong comes in
+            `InspectReport.problems`.
     """
     settings = settings or InputSettings()
     recording = read_recording(Path(path), format)

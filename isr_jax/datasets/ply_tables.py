@@ -59,7 +59,8 @@ class PlyMesh:
 def read_ply_mesh(path: Path) -> PlyMesh:
     """Vertices and triangles of a PLY file; faces with more corners are cut into triangles.
 
-    Raises `SequenceError` for a file that is no PLY, ends early, or names vertices it has not.
+    Raises:
+        SequenceError: the file is no PLY, ends early, or names vertices it has not.
     """
     try:
         with path.open("rb") as file:

@@ -39,6 +39,9 @@ def read_scenenn_truth(folder: str | Path, *, version: str | None = None) -> Ann
         folder: Holds ``<name>.ply`` and ``<name>.xml``, as published.
         version: One of `VERSIONS`: which names to take where the file has both; by default the
             later, ``nyu_class``, where every label has it.
+
+    Raises:
+        SequenceError: a file is missing or damaged, or the mesh has no labels.
     """
     folder = Path(folder)
     ply, xml = _files(folder)

@@ -51,7 +51,11 @@ class Stock:
     def draw(
         self, name: str, fits: Callable[[CadModel], bool] = any_model
     ) -> tuple[CadModel, float]:
-        """As `pick`, or any model of what is in stock where none fits."""
+        """As `pick`, or any model of what is in stock where none fits.
+
+        Raises:
+            LibraryError: the library has no model for any of them.
+        """
         return self.pick(name, fits) or self.pick(name) or self._missing(name)
 
     def pick(
