@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .alignment import align, alignment_error
+    from .borders import simulation
     from .cad import build_library, default_library, fit_cad, load_library, open_library
     from .config import Settings, preset, with_overrides
     from .datasets import inspect_sequence, open_sequence
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from .evaluation import evaluate
     from .map_runs.live import LiveMap
     from .map_runs.make_map import make_map
-    from .pipeline import furnish, furnish_scenes, reconstruct, replace_with_cad, run
+    from .pipeline import furnish_scenes, reconstruct, replace_with_cad, run
     from .scene import Scene, load_scene
     from .scene_file import read_scene
     from .segmentation import open_segmenter
@@ -50,7 +51,6 @@ _HOME = {
     "evaluate": "evaluation",
     "film_room": "demonstration.film",
     "fit_cad": "cad",
-    "furnish": "pipeline",
     "furnish_scenes": "pipeline",
     "inspect_sequence": "datasets",
     "load_library": "cad",
@@ -65,12 +65,16 @@ _HOME = {
     "replace_with_cad": "pipeline",
     "run": "pipeline",
     "settle": "stability",
+    "simulation": "borders.simulation",
     "view": "viewer",
     "with_overrides": "config",
 }
 
+_MODULES = {"simulation"}
+"""Public as a whole."""
 
-_RENAMED = {"fit": "fit_cad"}
+
+_RENAMED = {"fit": "fit_cad", "furnish": "replace_with_cad"}
 """Old names, kept for one release."""
 
 
@@ -81,7 +85,8 @@ def __getattr__(name: str) -> Any:
         name = _RENAMED[name]
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(f".{_HOME[name]}", __name__), name)
+    home = importlib.import_module(f".{_HOME[name]}", __name__)
+    return home if name in _MODULES else getattr(home, name)
 
 
 def __dir__() -> list[str]:
@@ -101,7 +106,6 @@ __all__ = [
     "evaluate",
     "film_room",
     "fit_cad",
-    "furnish",
     "furnish_scenes",
     "inspect_sequence",
     "load_library",
@@ -116,6 +120,7 @@ __all__ = [
     "replace_with_cad",
     "run",
     "settle",
+    "simulation",
     "view",
     "with_overrides",
 ]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 import time
-import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -153,17 +152,6 @@ def replace_with_cad(
     return furnish_scenes([found], library, settings, runner=runner)[0]
 
 
-def furnish(
-    found: Entities,
-    library: CadLibrary,
-    settings: Settings,
-    runner: StageRunner | None = None,
-) -> Scene:
-    """The old name of `replace_with_cad`, for one release."""
-    warnings.warn("furnish is called replace_with_cad now", DeprecationWarning, stacklevel=2)
-    return replace_with_cad(found, library, settings, runner=runner)
-
-
 def with_hulls_at(
     library: CadLibrary, positions: Iterable[int], method: str, reporter: Reporter
 ) -> CadLibrary:
@@ -265,7 +253,6 @@ __all__ = [
     "RunResult",
     "Scene",
     "finish",
-    "furnish",
     "furnish_scenes",
     "map_sequence",
     "reconstruct",

@@ -84,8 +84,10 @@ def test_an_image_takes_the_pose_that_names_its_number(tmp_path):
     (path / "depth/depth00002.png").unlink()
     recording = read_recording(path, None)
     assert [(f.name, f.pose[0, 3]) for f in recording.frames] == [
-        ("00001", 1.0), ("00003", 3.0), ("00004", 4.0),
-    ]  # fmt: skip
+        ("00001", 1.0),
+        ("00003", 3.0),
+        ("00004", 4.0),
+    ]
     assert any("1 of 4 poses" in note for note in recording.notes)
 
 
@@ -197,12 +199,27 @@ def test_two_images_of_one_number_are_refused(tmp_path):
 
 def test_names_of_annotators():
     said = {
-        "Backpack": "bag", "bag": "bag", "TV": "monitor", "tv/monitor": None, "Couch": "sofa",
-        "Refridgerator": "fridge", "fridge": "fridge", "chair 2": "chair", "chair12": "chair",
-        "trash_bin": "bin", "Night Stand": "nightstand", "books": "book", "desk": "desk",
-        "floor mat": "rug", "otherprop": None, "gizmo": None, "none": None, "washing-machine":
-        "washing_machine", "whiteboard": "picture", "shower curtain": "curtain",
-    }  # fmt: skip
+        "Backpack": "bag",
+        "bag": "bag",
+        "TV": "monitor",
+        "tv/monitor": None,
+        "Couch": "sofa",
+        "Refridgerator": "fridge",
+        "fridge": "fridge",
+        "chair 2": "chair",
+        "chair12": "chair",
+        "trash_bin": "bin",
+        "Night Stand": "nightstand",
+        "books": "book",
+        "desk": "desk",
+        "floor mat": "rug",
+        "otherprop": None,
+        "gizmo": None,
+        "none": None,
+        "washing-machine": "washing_machine",
+        "whiteboard": "picture",
+        "shower curtain": "curtain",
+    }
     assert {name: class_of_name(name) for name in said} == said
 
 
@@ -358,9 +375,12 @@ def test_an_annotated_mesh_comes_back_exactly(tmp_path):
     np.testing.assert_array_equal(found.instance, np.where(np.isin(label, [21, 999]), 0, label))
     classes = {i.id: (i.label, i.class_name) for i in found.instances}
     assert classes == {
-        3: ("floor", "floor"), 7: ("chair", "chair"), 11: ("Couch", "sofa"),
-        12: ("picture", "picture"), 20: ("gizmo", None),
-    }  # fmt: skip
+        3: ("floor", "floor"),
+        7: ("chair", "chair"),
+        11: ("Couch", "sofa"),
+        12: ("picture", "picture"),
+        20: ("gizmo", None),
+    }
     assert found.annotation == VERSIONS[0] and found.name == "005"
     notes = "\n".join(found.notes)
     assert "'gizmo'" in notes and "999" in notes and "not annotated" in notes

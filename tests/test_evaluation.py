@@ -35,8 +35,14 @@ def check_perfect(report) -> None:
     p = report.panoptic
     assert p.pq == p.sq == p.rq == p.pq_matched == pytest.approx(1.0)
     assert p.pq_things == p.pq_stuff == pytest.approx(1.0)
-    assert {c.class_name for c in p.classes} == {"floor", "wall", "table", "cup", "chair",
-                                                 "wall_cabinet"}  # fmt: skip
+    assert {c.class_name for c in p.classes} == {
+        "floor",
+        "wall",
+        "table",
+        "cup",
+        "chair",
+        "wall_cabinet",
+    }
     b, i = report.boxes, report.instances
     assert b.map50 == b.map25 == b.map50_11point == b.map25_11point == pytest.approx(1.0)
     assert i.map == i.map50 == i.map25 == pytest.approx(1.0)
@@ -58,8 +64,12 @@ def check_perfect(report) -> None:
 
 
 def check_perfect_surface(surface) -> None:
-    for error in ("accuracy_mean_m", "accuracy_median_m", "completeness_mean_m",
-                  "completeness_median_m"):  # fmt: skip
+    for error in (
+        "accuracy_mean_m",
+        "accuracy_median_m",
+        "completeness_mean_m",
+        "completeness_median_m",
+    ):
         assert getattr(surface, error) < 1e-5
     assert [r.limit_m for r in surface.rates] == [0.01, 0.02, 0.05]
     assert all(r.precision == r.recall == r.f_score == 1.0 for r in surface.rates)

@@ -225,9 +225,19 @@ def case_of(true: CadModel, placed: CadModel | None, T=None, found=True, candida
     def record(model: CadModel | None) -> EntityRecord:
         cad = None if model is None else CadRecord(model.id, np.eye(4), ONES)
         return EntityRecord(
-            2, "thing_2", true.class_name, "rigid", box, (), None, "none", None, None, cad,
+            2,
+            "thing_2",
+            true.class_name,
+            "rigid",
+            box,
+            (),
+            None,
+            "none",
+            None,
+            None,
+            cad,
             tuple(candidates),
-        )  # fmt: skip
+        )
 
     stands = None if placed is None else PosedModel(placed, np.eye(4) if T is None else T, ONES)
     return CadCase(
@@ -248,11 +258,14 @@ def test_retrieval_by_hand():
         case_of(cube, cube, away),  # the same model, wherever it stands
         case_of(cube, near),  # another one within 2 cm
         case_of(cube, near, away, candidates=[candidate("box/b", 0.1)]),  # its shape alone is right
-        case_of(cube, long, candidates=[candidate("box/c", 0.1), candidate("box/b", 0.3),
-                                        candidate("box/a", 0.4)]),
+        case_of(
+            cube,
+            long,
+            candidates=[candidate("box/c", 0.1), candidate("box/b", 0.3), candidate("box/a", 0.4)],
+        ),
         case_of(cube, None, candidates=[candidate("box/c", 0.1)]),  # a scan
         case_of(cube, None, found=False),
-    ]  # fmt: skip
+    ]
     found = score_retrieval(cases, library)
     assert [r.top1 for r in found.rows] == [True, True, False, False, False, False]
     assert [r.top1_shape for r in found.rows] == [True, True, True, False, False, False]
@@ -298,13 +311,25 @@ def test_a_model_of_no_library_is_refused():
 # -- Scan2CAD -----------------------------------------------------------------------------------
 
 
-def posed(id="chair/a", class_name="chair", yaw=0.0, center=(0, 0, 0), scale=(1, 1, 1),
-          size=None, symmetry=1) -> PosedCad:  # fmt: skip
+def posed(
+    id="chair/a",
+    class_name="chair",
+    yaw=0.0,
+    center=(0, 0, 0),
+    scale=(1, 1, 1),
+    size=None,
+    symmetry=1,
+) -> PosedCad:
     scale = np.asarray(scale, float)
     return PosedCad(
-        id, class_name, rotation_z(np.deg2rad(yaw)).astype(float), np.asarray(center, float),
-        scale, scale if size is None else np.asarray(size, float), symmetry,
-    )  # fmt: skip
+        id,
+        class_name,
+        rotation_z(np.deg2rad(yaw)).astype(float),
+        np.asarray(center, float),
+        scale,
+        scale if size is None else np.asarray(size, float),
+        symmetry,
+    )
 
 
 def counts(truth, predicted) -> tuple[int, int]:
@@ -385,8 +410,14 @@ def test_countings_as_their_twins(seed):
     found = score_scan2cad(truth, predicted)
 
     def plain(cad: PosedCad) -> dict:
-        return {"id": cad.id, "class": cad.class_name, "R": cad.rotation, "t": cad.center,
-                "s": cad.scale, "symmetry": cad.symmetry}  # fmt: skip
+        return {
+            "id": cad.id,
+            "class": cad.class_name,
+            "R": cad.rotation,
+            "t": cad.center,
+            "s": cad.scale,
+            "symmetry": cad.symmetry,
+        }
 
     expected = slow.official_scan2cad([plain(c) for c in truth], [plain(c) for c in predicted])
     assert {k: (c.good, c.total) for k, c in found.official.by_class.items()} == expected

@@ -8,7 +8,9 @@ import itertools
 import numpy as np
 import pytest
 
-from isr_jax.errors import SceneError
+from isr_jax.config import DEFAULT_SUPPORT, SupportSettings
+from isr_jax.errors import SceneError, SettingError
+from isr_jax.evaluation import stage
 from isr_jax.evaluation.matches import Match
 from isr_jax.evaluation.models.affordance import (
     MovingPart,
@@ -25,14 +27,15 @@ from isr_jax.evaluation.models.cad_cases import PosedModel
 from isr_jax.evaluation.models.equivalence import combined, grade, upright_box
 from isr_jax.evaluation.models.relations import class_agreement
 from isr_jax.evaluation.models.replacement import ReplacementScores, score_replacement
-from isr_jax.evaluation.result_files import Result, Truth
+from isr_jax.evaluation.result_files import Result, Truth, support_of
 from isr_jax.evaluation.standing import read_standing
 from isr_jax.library import CadModel
 from isr_jax.robot_model import RobotModel
-from isr_jax.scene_file import CadRecord, EntityRecord, SceneFile
+from isr_jax.scene_file import CadRecord, EntityRecord, SceneFile, read_scene, write_scene
 from isr_jax.types import Candidate
 
 from .builders import floor_entity, library_of, rotation_z, table_model, with_robot
+from .evaluation_folders import make_folders
 from .furniture import block_model, cabinet_model, chair_model
 from .reference import cad_measures_reference as slow
 
@@ -115,7 +118,9 @@ def floor() -> EntityRecord:
     )
 
 
-def scored(changes=None, T_truth_result=None, missing=()) -> ReplacementScores:
+def scored(
+    changes=None, T_truth_result=None, missing=(), support=DEFAULT_SUPPORT
+) -> ReplacementScores:
     """Scores of the true scene with some entities changed; ``missing`` ones match nothing."""
     true = [floor(), *(entity(name, *place) for name, place in PLACES.items())]
     found = [dataclasses.replace(e, **(changes or {}).get(e.name, {})) for e in true]
@@ -145,6 +150,7 @@ def scored(changes=None, T_truth_result=None, missing=()) -> ReplacementScores:
         LIBRARY,
         LIBRARY,
         AlignmentLimits(),
+        support,
     )
 
 
@@ -363,6 +369,52 @@ def test_places_and_planes_by_hand():
     flipped = pose()
     flipped[:3, :3] = np.diag([1.0, -1.0, -1.0])
     assert len(supporting_rectangles(PosedModel(TABLE, flipped, ONES))) == 0
+
+
+def tilted(T: np.ndarray, angle: float) -> np.ndarray:
+    turn = np.eye(4)
+    turn[1:3, 1:3] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
+    return T @ turn
+
+
+def test_what_faces_up_is_a_setting():
+    """A table tilted by 30 degrees: its normal has a cosine of 0.87 with up."""
+    table = PosedModel(TABLE, tilted(pose(), np.pi / 6), ONES)
+    assert len(supporting_rectangles(table)) == 0
+    assert len(supporting_rectangles(table, SupportSettings(up_cosine=0.8))) > 0
+
+
+def test_one_support_reaches_the_score():
+    name = "table_2"
+    lying = tilted(PLACES[name][1], 0.05)
+    cad = entity(name, TABLE, lying, "floor_1").cad
+    carrying = {
+        up: rows_of(scored({name: {"cad": cad}}, support=SupportSettings(up_cosine=up)))[
+            name
+        ].details.carrying
+        for up in (0.9, 0.9999)
+    }
+    # a_th = 0.9999 lets 0.8 degrees pass: the true, level top asks, the tilted one (2.9) is none
+    assert carrying[0.9] > 0 and carrying[0.9999] == 0
+
+
+@pytest.mark.parametrize(("said", "expected"), [({}, 0.9), ({"support": {"up_cosine": 0.7}}, 0.7)])
+def test_evaluation_reads_the_support_of_the_run(tmp_path, monkeypatch, said, expected):
+    folders, used = make_folders(tmp_path), []
+    path = folders.write() / "scene.json"
+    write_scene(dataclasses.replace(read_scene(path), settings=said), path)
+    monkeypatch.setattr(stage, "score_replacement", lambda *arguments: used.append(arguments[-1]))
+    stage.evaluate(path.parent, folders.truth, library=LIBRARY)
+    stage.evaluate(
+        path.parent, folders.truth, library=LIBRARY, support=SupportSettings(up_cosine=0.5)
+    )
+    assert [support.up_cosine for support in used] == [expected, 0.5]
+
+
+def test_a_support_that_cannot_be_is_refused():
+    scene = SceneFile((), np.eye(4), settings={"support": {"up_cosine": 2.0}})
+    with pytest.raises(SettingError, match="up_cosine"):
+        support_of(scene)
 
 
 # -- appearance ---------------------------------------------------------------------------------

@@ -228,7 +228,7 @@ def test_fixed_cabinet_does_not_fight_its_door(tmp_path):
     model = simulation.load_model(tmp_path / "scene.xml")
     pairs = {(t.body_a, t.body_b) for t in simulation.touches(model)}
     assert ("cabinet_6", "cabinet_6_door") not in pairs
-    freed = simulation.load_freed(tmp_path / "scene.xml", ("floor_1", "wall_2", "clock_7"))
+    freed = simulation.freed_model(tmp_path / "scene.xml", ("floor_1", "wall_2", "clock_7"))
     assert "cabinet_6" in simulation.free_bodies(freed)
     assert all(t.depth_m < TOUCH_M for t in simulation.touches(freed))
 

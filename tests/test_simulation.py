@@ -109,7 +109,7 @@ def test_perturbed_start_never_goes_down_and_is_seeded(tmp_path):
 
 def test_freeing_leaves_the_anchored(tmp_path):
     scene(tmp_path, '<body name="shelf" pos="0 0 1"><geom type="box" size=".1 .1 .1"/></body>')
-    freed = simulation.load_freed(tmp_path / "scene.xml", ("floor",))
+    freed = simulation.freed_model(tmp_path / "scene.xml", ("floor",))
     assert simulation.free_bodies(freed) == ("shelf",)
     assert simulation.static_bodies(freed) == ("floor",)
 
@@ -119,7 +119,7 @@ def test_bounds_hold_all_geoms(tmp_path):
     assert np.allclose(low, [-3.5, -3.5, -0.6]) and np.allclose(high, [3.5, 3.5, 2.6])
 
 
-@pytest.mark.parametrize("load", [simulation.load_model, lambda p: simulation.load_freed(p, ())])
+@pytest.mark.parametrize("load", [simulation.load_model, lambda p: simulation.freed_model(p, ())])
 def test_bad_files_are_named(tmp_path, load):
     with pytest.raises(SceneError, match=r"nothing\.xml"):
         load(tmp_path / "nothing.xml")
@@ -138,3 +138,42 @@ def test_a_picture_shows_the_scene_before_and_after_it_has_moved(tmp_path):
     assert all((np.abs(image - sky).sum(-1) > 30).any() for image in images)
     with pytest.raises(OutputError, match="png"):
         draw_scene(tmp_path / "scene.xml", tmp_path / "nowhere" / "a.png", width=8, height=8)
+
+
+NAMELESS = """<mujoco model="flat"><worldbody><geom type="plane" size="3 3 .1"/>
+<frame pos="0 0 1"><body><geom type="box" size=".1 .1 .1"/></body></frame>
+<body name="gate" pos="1 0 1"><joint axis="0 0 1" range="0 90"/><geom size=".1"/></body>
+<body pos="2 0 1"><freejoint/><geom size=".1"/></body>
+<body name="target" mocap="true" pos="2 3 1"><geom size=".1"/></body>
+<body name="holder" pos="2 5 1"><body><geom size=".1"/></body></body>
+<body name="jamb" pos="2 7 1"><body name="leaf"><joint name="leaf"/><geom size=".1"/></body></body>
+</worldbody><keyframe><key name="home" qpos="0 2 0 3 1 0 0 0 0"/></keyframe></mujoco>"""
+
+
+def test_a_scene_of_any_make_is_freed_where_it_can_be():
+    """Nameless bodies, mocap, keyframes, joints to the world, mass below a massless body."""
+    spec = mujoco.MjSpec.from_string(NAMELESS)
+    model = simulation.load_model(spec)
+    assert simulation.free_bodies(model) == ("#3",)
+    assert simulation.static_bodies(model) == ("#1", "target", "holder", "jamb")
+    # the leaf's mass turns on its own joint and does not hold the jamb
+    assert simulation.unfreeable_bodies(model) == ("target", "jamb")
+    freed = simulation.freed_model(spec, ())
+    assert simulation.free_bodies(freed) == ("#1", "#3", "holder")
+    assert simulation.moving_joints(freed) == ("#1", "leaf")
+    assert (freed.nkey, spec.compile().nkey) == (0, 1), "the given spec is left as it was"
+    path = simulation.simulate(model, 0.1)
+    assert path.bodies == ("#3",) and path.joints == ("#0", "leaf")
+    assert simulation.joint_travel(model, "#0").share > 0.99
+    with pytest.raises(SceneError, match="MjModel flat is compiled"):
+        simulation.freed_model(model, ())
+
+
+def test_unknown_names_are_refused(tmp_path):
+    model = scene(tmp_path, cube("a", 0, 0.1), door(blocked=False))
+    with pytest.raises(SceneError, match=r"no joint is called 'hinges'(.|\n)*hinge"):
+        simulation.joint_travel(model, "hinges")
+    with pytest.raises(SceneError, match="is no hinge and no slide"):
+        simulation.joint_travel(model, "#0")
+    with pytest.raises(SceneError, match=r"no body is called 'b'(.|\n)*a, frame, leaf"):
+        simulation.push(model, mujoco.MjData(model), "b", np.ones(3), np.zeros(3), 0.1)

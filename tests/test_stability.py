@@ -7,6 +7,7 @@ import io
 import json
 from xml.etree import ElementTree
 
+import mujoco
 import numpy as np
 import pytest
 from rich.console import Console
@@ -17,7 +18,7 @@ from isr_jax.errors import SceneError
 from isr_jax.evaluation.standing import read_standing
 from isr_jax.export import export_scene
 from isr_jax.scene_file import read_scene, write_scene
-from isr_jax.stability import settle
+from isr_jax.stability import judge, settle
 from isr_jax.stability.measures import (
     body_motions,
     geodesic_angle,
@@ -149,6 +150,38 @@ def test_without_scene_json_layout_is_what_has_no_mass(tmp_path):
 def test_missing_scene_is_refused(tmp_path):
     with pytest.raises(SceneError, match=r"scene\.xml is not a file"):
         settle(tmp_path / "scene.xml")
+
+
+def test_a_model_in_memory_is_judged_as_a_file_is(still):
+    """As exported to the last bit; what needs the file says that it does."""
+    scene_xml, report = still[0] / "scene.xml", still[1]
+    compiled = settle(mujoco.MjModel.from_xml_path(str(scene_xml)))
+    assert compiled.exported == report.exported
+    assert compiled.scene == "MjModel scene" and compiled.scans_kept is None
+    assert compiled.freed is None and "MjSpec" in (compiled.not_freed or "")
+    assert "cannot be freed" in str(compiled) and compiled.to_json()["freed"] is None
+    anchored = report.anchored
+    spec = settle(mujoco.MjSpec.from_file(str(scene_xml)), anchored=anchored)
+    assert (spec.exported, spec.freed, spec.not_freed) == (report.exported, report.freed, None)
+
+
+def test_the_number_of_processors_changes_nothing(still, monkeypatch):
+    for cores in (1, 5):
+        monkeypatch.setattr(judge, "usable_cores", lambda cores=cores: cores)
+        assert settle(still[0] / "scene.xml").resets == still[1].resets
+
+
+def test_only_what_is_static_can_be_anchored(still):
+    with pytest.raises(SceneError, match=r"cup_4, tabel_3(.|\n)*table_3"):
+        settle(still[0] / "scene.xml", QUICK, anchored=("cup_4", "tabel_3", "table_3"))
+
+
+def test_a_verdict_without_the_freed_set_stands_beside_the_evaluation(still, tmp_path):
+    compiled = settle(mujoco.MjModel.from_xml_path(str(still[0] / "scene.xml")), QUICK)
+    compiled.write(tmp_path / "stability.json")
+    found = read_standing(tmp_path)
+    assert found is not None and found.freed is None
+    assert dict(found.headline())["  everything freed"] == "- / - / -"
 
 
 def turned(axis, angle: float) -> np.ndarray:

@@ -197,8 +197,9 @@ def test_true_poses_are_kept_beside_drifting_ones(room, sequence, tmp_path: Path
 
 def test_a_camera_off_the_centre_is_written_as_it_is(room, tmp_path: Path):
     camera = named_camera("kinect_color", WIDTH, HEIGHT)
-    render_sequence(room, tmp_path, frames=1, noise=NO_NOISE, camera="kinect_color", width=WIDTH,
-                    height=HEIGHT)  # fmt: skip
+    render_sequence(
+        room, tmp_path, frames=1, noise=NO_NOISE, camera="kinect_color", width=WIDTH, height=HEIGHT
+    )
     data = json.loads((tmp_path / "intrinsics.json").read_text())
     assert (data["cx"], data["cy"]) == (camera.cx, camera.cy) != (WIDTH / 2, HEIGHT / 2)
     depth = cv2.imread(str(tmp_path / "depth/000000.png"), cv2.IMREAD_UNCHANGED) / 1000.0
@@ -264,10 +265,12 @@ def test_the_same_seed_writes_the_same_bytes(room, tmp_path: Path):
     for name, seed in (("a", 4), ("b", 4), ("c", 5)):
         render_sequence(room, tmp_path / name, frames=3, width=WIDTH, height=HEIGHT, seed=seed)
         files = sorted(p for p in (tmp_path / name).rglob("*") if p.is_file())
-        digests.append([
-            (p.relative_to(tmp_path / name), hashlib.sha256(p.read_bytes()).hexdigest())
-            for p in files
-        ])  # fmt: skip
+        digests.append(
+            [
+                (p.relative_to(tmp_path / name), hashlib.sha256(p.read_bytes()).hexdigest())
+                for p in files
+            ]
+        )
     assert digests[0] == digests[1] and len(digests[0]) > 12
     assert digests[0] != digests[2]
 

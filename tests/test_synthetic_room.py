@@ -389,9 +389,9 @@ def test_the_open_surface_leaves_out_what_no_view_shows():
     ]
     shelf = ((0.96, 0.96, wall), (0, 0, 0.0))
     model = parts_model("cabinet/hollow", "cabinet", [*shell, shelf])
-    vertices = np.concatenate([
-        mesh.vertices[np.unique(mesh.faces)] for mesh, _ in exterior_parts(model)
-    ])  # fmt: skip
+    vertices = np.concatenate(
+        [mesh.vertices[np.unique(mesh.faces)] for mesh, _ in exterior_parts(model)]
+    )
     assert np.abs(vertices).max(1).min() > 0.49
     planes = model.planes
     outer = np.abs(-planes.offset - 0.5) < 1e-5

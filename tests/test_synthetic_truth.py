@@ -160,9 +160,9 @@ def test_doors_and_windows_fill_their_openings():
             np.testing.assert_allclose(item.R_room @ [0, -1, 0], wall.normal, atol=1e-6)
             half = item.scale * item.model.size[[0, 2]] / 2
             base = wall.corners[1] - wall.corners[0]
-            at = np.array([
-                (item.center - wall.corners[0]) @ base / np.linalg.norm(base), item.center[2]
-            ])  # fmt: skip
+            at = np.array(
+                [(item.center - wall.corners[0]) @ base / np.linalg.norm(base), item.center[2]]
+            )
             rectangle = np.array([*(at - half - JOINT_M), *(at + half + JOINT_M)])
             if item.model.class_name == "door":
                 assert at[1] == pytest.approx(half[1], abs=EXACT_M)

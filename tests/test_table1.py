@@ -25,8 +25,11 @@ from . import scan_formats as scans
 
 K = scans.matrix(room.FOCAL, room.FOCAL, room.WIDTH / 2, room.HEIGHT / 2)
 CLASSES = {1: "floor", 2: "wall", 3: "ceiling", 4: "table"}
-COARSE = ("mapping.voxel_size_m=0.04", "segmentation.min_segment_px=40",
-          "segmentation.min_piece_px=10")  # fmt: skip
+COARSE = (
+    "mapping.voxel_size_m=0.04",
+    "segmentation.min_segment_px=40",
+    "segmentation.min_piece_px=10",
+)
 
 
 def points_of(shot) -> np.ndarray:

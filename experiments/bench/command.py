@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,6 +12,7 @@ from rich.console import Console
 
 from isr_jax.errors import IsrError, OutputError, SettingError
 from isr_jax.runtime.caches import enable_compilation_cache
+from isr_jax.runtime.cores import usable_cores
 
 from .plan import SPLITS
 from .sheets import Sheet, write_markdown
@@ -80,7 +80,7 @@ def make_out_dir(path: Path) -> None:
 
 def jobs_or_default(jobs: int | None) -> int:
     """Rooms at a time; one for every two cores if left out."""
-    return max(1, (os.cpu_count() or 1) // 2) if jobs is None else jobs
+    return max(1, usable_cores() // 2) if jobs is None else jobs
 
 
 def say_ended(console: Console, ended: Ended, done: int, total: int) -> None:

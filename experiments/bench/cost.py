@@ -1,4 +1,4 @@
-"""What a run costs: seconds a stage, processor seconds, peak memory."""
+"""What a run costs: seconds per stage, processor seconds, peak memory."""
 
 from __future__ import annotations
 

@@ -46,9 +46,17 @@ COST, RUN = "cost", "run"
 """Stages of the table: what a run costs, and whether it ended."""
 FAILED = "failed"
 _STAGES = (
-    segmentation, mapping, entities, contact_graph, matching, alignment, physical_check, export,
-    stability, evaluation,
-)  # fmt: skip
+    segmentation,
+    mapping,
+    entities,
+    contact_graph,
+    matching,
+    alignment,
+    physical_check,
+    export,
+    stability,
+    evaluation,
+)
 
 
 class Libraries:

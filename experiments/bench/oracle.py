@@ -86,7 +86,7 @@ def truth_of_stages(
 
 
 def true_shortlist(truth: TrueScene, library: CadLibrary) -> Shortlist:
-    """One candidate an entity that has a model: the true one, in its true rotation, D = 0."""
+    """One candidate per entity that has a model: the true one, in its true rotation, D = 0."""
     rows = [(i, r.cad) for i, r in enumerate(truth.scene.entities) if r.cad is not None]
     models = [library.position(cad.id) for _, cad in rows]
     partners = [

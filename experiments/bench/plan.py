@@ -87,7 +87,7 @@ class Plan:
 
     def settings_of(self, run: Run) -> Settings:
         """Of a run. True models that were imported keep the collision hulls of the room's twin:
-        better ones take minutes a room, and would be no truer to it."""
+        better ones take minutes per room, and would be no truer to it."""
         settings = self.settings(run.preset)
         if run.truth_up_to not in TRUE_MODELS or self.library_of(run.room) is None:
             return settings

@@ -14,9 +14,18 @@ from isr_jax.errors import SceneError
 from .sheets import Sheet
 
 _HEADINGS = (
-    "room", "m2", "objects", "classes", "with joints", "levels", "occluded, %", "seen, %",
-    "well seen, %", "taken away", "drift, mm",
-)  # fmt: skip
+    "room",
+    "m2",
+    "objects",
+    "classes",
+    "with joints",
+    "levels",
+    "occluded, %",
+    "seen, %",
+    "well seen, %",
+    "taken away",
+    "drift, mm",
+)
 
 
 def room_sheet(out_dir: Path) -> Sheet:

@@ -71,7 +71,7 @@ _STAGE_OF = {
 path that is listed. What is not listed is judged of the whole scene."""
 WHOLE = "scene"
 _LIMIT = "limit_m"
-"""What each row of a list has that gives a value a limit."""
+"""What each row of a list has that gives one value per limit."""
 _SETTINGS = frozenset({"limits", _LIMIT})
 """Fields that say how was measured, not what."""
 _ENTITY_FIELDS = frozenset({"truth", "name", "entity", "id"})
@@ -91,9 +91,9 @@ def flatten(report: EvaluationReport, stability: StabilityReport) -> list[Value]
 def scored(report: Any) -> list[Value]:
     """Every number of an `EvaluationReport`, or of a record with some parts of one.
 
-    Fields and derived properties are walked. A list with a row a class gives a value a class, one
-    with a row a limit a value a limit; a list of entities or bodies gives their count, mean and
-    maximum. None is left out.
+    Fields and derived properties are walked. A list with one row per class gives one value
+    per class, with one row per limit one value per limit; a list of entities or bodies gives their
+    count, mean and maximum. None is left out.
     """
     return [
         Value(_stage(path), ".".join(path), class_name, value)

@@ -98,7 +98,7 @@ def _mesh(path: Path) -> Mesh:
 
 
 def _seen_surface(entities: Entities, truth_dir: Path) -> PanopticSurface:
-    """What was seen of the true surfaces, an instance a thing and one a class of all else.
+    """What was seen of the true surfaces, one instance per thing and one per class of all else.
 
     Of entities it is the faces of their meshes whose three corners were seen; of windows, pictures
     and rugs, which are none, it is the seen points alone.

@@ -14,6 +14,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any, Protocol, TypeVar
 
 from isr_jax.runtime.caches import enable_compilation_cache
+from isr_jax.runtime.cores import usable_cores
 
 from .plan import RoomSpec
 
@@ -48,7 +49,7 @@ class Work(Protocol):
         ...
 
     def through(self) -> Iterator[Ended]:
-        """Do it: the film comes first, then a run at a time."""
+        """Do it: the film comes first, then one run at a time."""
         ...
 
 
@@ -91,13 +92,13 @@ def work_through(works: Sequence[Work], jobs: int) -> Iterator[Ended]:
         for work in works:
             yield from work.through()
         return
-    with _few_threads(max(1, (os.cpu_count() or 1) // jobs)):
+    with _few_threads(max(1, usable_cores() // jobs)):
         yield from _apart(list(works), jobs)
 
 
 @contextlib.contextmanager
 def _few_threads(count: int) -> Iterator[None]:
-    """Processes that start within have so many threads a library, unless the user said else."""
+    """Processes that start within have so many threads per library, unless the user said else."""
     added = {name: str(count) for name in _THREADS if name not in os.environ}
     os.environ.update(added)
     try:

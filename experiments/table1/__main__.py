@@ -54,14 +54,14 @@ class Table1:
     """
 
     scenenn: Path | None = None
-    """Holds a folder a sequence, or is one."""
+    """Holds one folder per sequence, or is one."""
     sequences: tuple[str, ...] = ()
     """All that are there, if left out."""
     segmenter: str = "masks"
     """Where masks come from, as in `isr run`."""
     preset: tuple[str, ...] = ("default", "paper", "voxblox++")
     out: Path = Path("out/table1")
-    """Receives table1.csv, and a folder a sequence and preset with the map."""
+    """Receives table1.csv, and one folder per sequence and preset with the map."""
     set: tuple[str, ...] = ()
     """Changes to every preset: mapping.voxel_size_m=0.02"""
     min_vertices: int = MIN_VERTICES

@@ -56,8 +56,11 @@ class AnnotatedMesh:
 
 
 def read_mesh(path: Path) -> tuple[Mesh, dict[str, np.ndarray]]:
-    """A PLY file's mesh, and its other columns a vertex; `SequenceError` for positions that are
-    not finite."""
+    """A PLY file's mesh, and its other columns per vertex.
+
+    Raises:
+        SequenceError: the file cannot be read, or positions are not finite.
+    """
     found = read_ply_mesh(path)
     table = found.vertices
     vertices = np.stack([table[c] for c in "xyz"], 1).astype(np.float32)

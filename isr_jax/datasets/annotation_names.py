@@ -12,39 +12,47 @@ import re
 
 from ..classes import classes, label_table
 
-NYU40_NAMES = (
-    "wall", "floor", "cabinet", "bed", "chair", "sofa", "table", "door", "window", "bookshelf",
-    "picture", "counter", "blinds", "desk", "shelves", "curtain", "dresser", "pillow", "mirror",
-    "floor mat", "clothes", "ceiling", "books", "refridgerator", "television", "paper", "towel",
-    "shower curtain", "box", "whiteboard", "person", "night stand", "toilet", "sink", "lamp",
-    "bathtub", "bag", "otherstructure", "otherfurniture", "otherprop",
-)  # fmt: skip
+_NYU40 = (
+    "wall, floor, cabinet, bed, chair, sofa, table, door, window, bookshelf, picture, "
+    "counter, blinds, desk, shelves, curtain, dresser, pillow, mirror, floor mat, clothes, "
+    "ceiling, books, refridgerator, television, paper, towel, shower curtain, box, "
+    "whiteboard, person, night stand, toilet, sink, lamp, bathtub, bag, otherstructure, "
+    "otherfurniture, otherprop"
+)
+NYU40_NAMES = tuple(_NYU40.split(", "))
 """Ids 1 to 40 (Gupta et al., "Perceptual Organization and Recognition of Indoor Scenes", 2013)."""
 
-_SAME = {
-    "backpack": "bag", "handbag": "bag", "suitcase": "bag", "luggage": "bag", "purse": "bag",
-    "couch": "sofa", "loveseat": "sofa",
-    "armchair": "chair", "office chair": "chair", "swivel chair": "chair",
-    "coffee table": "table", "dining table": "table", "end table": "table",
-    "side table": "table", "teapoy": "table",
-    "tv": "monitor", "computer monitor": "monitor", "tv monitor": "monitor",
-    "fridge": "fridge", "refrigerator": "fridge", "mini fridge": "fridge",
-    "shelf": "bookshelf", "book shelf": "bookshelf", "bookcase": "bookshelf",
-    "cupboard": "cabinet", "kitchen cabinet": "cabinet", "file cabinet": "cabinet",
-    "drawer": "drawer_unit", "drawers": "drawer_unit", "chest of drawers": "drawer_unit",
-    "closet": "wardrobe", "bedside table": "nightstand",
-    "trash bin": "bin", "trash can": "bin", "rubbish bin": "bin", "dustbin": "bin",
-    "recycling bin": "bin", "garbage bin": "bin", "wastebasket": "bin",
-    "mug": "cup", "cushion": "cushion", "carpet": "rug", "mat": "rug", "desk lamp": "lamp",
-    "table lamp": "lamp", "floor lamp": "lamp", "plant pot": "plant",
-    "potted plant": "plant", "flower": "plant", "notebook": "book", "telephone": "phone",
-    "cellphone": "phone", "poster": "picture", "painting": "picture", "photo": "picture",
-    "photo frame": "picture", "white board": "picture",
-    "washing machine": "washing_machine", "laundry machine": "washing_machine",
-    "kitchen counter": "counter", "bathroom counter": "counter", "people": "person",
-    "bath tub": "bathtub", "carton": "box", "cardboard box": "box", "tissue box": "box",
-    "stair": "stairs", "staircase": "stairs", "doorframe": "door", "door frame": "door",
-}  # fmt: skip
+_SAID = {
+    "bag": "backpack, handbag, suitcase, luggage, purse",
+    "sofa": "couch, loveseat",
+    "chair": "armchair, office chair, swivel chair",
+    "table": "coffee table, dining table, end table, side table, teapoy",
+    "monitor": "tv, computer monitor, tv monitor",
+    "fridge": "fridge, refrigerator, mini fridge",
+    "bookshelf": "shelf, book shelf, bookcase",
+    "cabinet": "cupboard, kitchen cabinet, file cabinet",
+    "drawer_unit": "drawer, drawers, chest of drawers",
+    "wardrobe": "closet",
+    "nightstand": "bedside table",
+    "bin": "trash bin, trash can, rubbish bin, dustbin, recycling bin, garbage bin, wastebasket",
+    "cup": "mug",
+    "cushion": "cushion",
+    "rug": "carpet, mat",
+    "lamp": "desk lamp, table lamp, floor lamp",
+    "plant": "plant pot, potted plant, flower",
+    "book": "notebook",
+    "phone": "telephone, cellphone",
+    "picture": "poster, painting, photo, photo frame, white board",
+    "washing_machine": "washing machine, laundry machine",
+    "counter": "kitchen counter, bathroom counter",
+    "person": "people",
+    "bathtub": "bath tub",
+    "box": "carton, cardboard box, tissue box",
+    "stairs": "stair, staircase",
+    "door": "doorframe, door frame",
+}
+"""What annotators say for each of our classes."""
+_SAME = {said: name for name, list_of in _SAID.items() for said in list_of.split(", ")}
 
 
 @functools.cache

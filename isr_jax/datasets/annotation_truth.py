@@ -46,6 +46,10 @@ def truth_from_annotation(
         folder: Made if it is not there.
         write_mesh: Writes one entity's mesh, world frame, to ``meshes/<name>.ply``, and what is
             no entity's to ``meshes/remainder.ply``; without it, the scene names no meshes.
+
+    Raises:
+        SequenceError: the world frame is none, or the mesh is not of a room in metres.
+        OutputError: the folder cannot be written.
     """
     folder = Path(folder)
     T = np.asarray(T_world_dataset, np.float64)

@@ -38,7 +38,11 @@ class Samples:
 
 
 def read_samples(recording: Recording) -> Samples:
-    """Decode depth of frames spread over the recording, and of partners that moved."""
+    """Decode depth of frames spread over the recording, and of partners that moved.
+
+    Raises:
+        SequenceError: none of the sampled frames can be read.
+    """
     depth_m, poses, errors, readable = [], [], [], []
     for i in spread(len(recording.frames), _SAMPLED):
         try:
@@ -84,7 +88,11 @@ def _moved_pairs(
 
 
 def recorded_camera(recording: Recording, samples: Samples) -> Camera:
-    """The camera of the depth images; `SequenceError` for intrinsics of another resolution."""
+    """The camera of the depth images.
+
+    Raises:
+        SequenceError: the intrinsics are of another resolution.
+    """
     known = recording.intrinsics
     shapes = collections.Counter(d.shape for d in samples.depth_m)
     height, width = shapes.most_common(1)[0][0]
@@ -108,7 +116,11 @@ def recorded_camera(recording: Recording, samples: Samples) -> Camera:
 
 
 def check_depth_unit(recording: Recording, samples: Samples) -> float:
-    """Median depth in metres; `SequenceError` naming the likely unit where that is no room's."""
+    """Median depth in metres, which must be a room's.
+
+    Raises:
+        SequenceError: the median is no room's, with the likely unit; or depth is empty.
+    """
     values = np.concatenate([d[::8, ::8].ravel() for d in samples.depth_m])
     values = values[values > 0]
     if len(values) == 0:
@@ -131,9 +143,12 @@ def check_depth_unit(recording: Recording, samples: Samples) -> float:
 def check_convention_holds(
     recording: Recording, samples: Samples, camera: Camera
 ) -> tuple[str, ...]:
-    """`SequenceError` where depth reprojects clearly better under another pose convention.
+    """Check the declared pose convention against how well depth reprojects.
 
     Returns a note where the poses could not be confirmed, else nothing.
+
+    Raises:
+        SequenceError: depth reprojects clearly better under another convention.
     """
     declared = recording.convention
     errors_m = convention_errors_m(list(samples.pairs), camera, declared)
@@ -167,7 +182,11 @@ def sampled_cloud(samples: Samples, camera: Camera, settings: InputSettings) -> 
 
 
 def pose_of(recorded: RecordedFrame) -> np.ndarray:
-    """The pose, or the `FrameError` that says why there is none."""
+    """The pose of a frame.
+
+    Raises:
+        FrameError: the frame has no pose; it says why.
+    """
     if isinstance(recorded.pose, FrameError):
         raise FrameError(recorded.pose.problem, recorded.pose.hint)
     return recorded.pose

@@ -44,7 +44,11 @@ def from_camera_to_dataset(
 
 
 def check_convention(name: str, source: Path) -> str:
-    """``name`` if it is one of `CONVENTIONS`; else `SequenceError`."""
+    """``name``, if it is one of `CONVENTIONS`.
+
+    Raises:
+        SequenceError: it is none of `CONVENTIONS`.
+    """
     if name not in CONVENTIONS:
         raise SequenceError(
             f"{source}: pose_convention = {name!r}", f"use one of: {', '.join(CONVENTIONS)}"
@@ -53,7 +57,11 @@ def check_convention(name: str, source: Path) -> str:
 
 
 def read_pose(path: Path) -> Float[np.ndarray, "4 4"]:
-    """A 4x4 matrix from a pose file, checked by `checked_pose`."""
+    """A 4x4 matrix from a pose file, checked by `checked_pose`.
+
+    Raises:
+        FrameError: the file cannot be read, holds no 16 numbers, or no rigid transform.
+    """
     try:
         values = [float(v) for v in path.read_bytes().replace(b",", b" ").split()]
     except OSError as error:
@@ -78,7 +86,11 @@ def pose_or_reason(
 
 
 def checked_pose(matrix: Float[np.ndarray, "4 4"], source: str) -> Float[np.ndarray, "4 4"]:
-    """A rigid transform, its rotation made exact; `FrameError` where it is none."""
+    """A rigid transform, its rotation made exact.
+
+    Raises:
+        FrameError: the matrix is no rigid transform, or not finite.
+    """
     if not np.isfinite(matrix).all():
         raise FrameError(
             f"{source}: the pose holds NaN or infinity", "tracking was lost here: drop the frame"

@@ -12,7 +12,7 @@ from jaxtyping import UInt8, UInt16
 from ..errors import FrameError
 
 CODINGS = ("encoded", "raw_rgb", "raw_ushort", "zlib_ushort")
-"""JPEG or PNG; 3 bytes a pixel; 16 bits a pixel, little-endian; the same, deflated."""
+"""JPEG or PNG; 3 bytes per pixel; 16 bits per pixel, little-endian; the same, deflated."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -37,7 +37,11 @@ class ImageSlice:
         return f"{self.path} at byte {self.offset}"
 
     def read_bytes(self) -> bytes:
-        """The stored bytes; `FrameError` where the file is gone or has become shorter."""
+        """The stored bytes.
+
+        Raises:
+            FrameError: the file is gone or has become shorter.
+        """
         try:
             with self.path.open("rb") as file:
                 file.seek(self.offset)
@@ -51,12 +55,20 @@ class ImageSlice:
         return data
 
     def rgb(self) -> UInt8[np.ndarray, "height width 3"]:
-        """The pixels of a ``raw_rgb`` image."""
+        """The pixels of a ``raw_rgb`` image.
+
+        Raises:
+            FrameError: as `read_bytes`.
+        """
         pixels = _filling(self, self.read_bytes(), 3 * self.width * self.height)
         return np.frombuffer(pixels, np.uint8).reshape(self.height, self.width, 3).copy()
 
     def depth(self) -> UInt16[np.ndarray, "height width"]:
-        """The stored values of a ``raw_ushort`` or ``zlib_ushort`` image."""
+        """The stored values of a ``raw_ushort`` or ``zlib_ushort`` image.
+
+        Raises:
+            FrameError: as `read_bytes`, or the bytes are damaged.
+        """
         expected = 2 * self.width * self.height
         data = self.read_bytes()
         if self.coding == "zlib_ushort":

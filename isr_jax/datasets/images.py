@@ -43,7 +43,11 @@ class ColorCamera:
 
 
 def read_color(path: Path | ImageSlice) -> UInt8[np.ndarray, "height width 3"]:
-    """An RGB image; raises `FrameError` when the file is missing, cut off or no image."""
+    """An RGB image, from a file or a place in one.
+
+    Raises:
+        FrameError: the file is missing, cut off or no image.
+    """
     if isinstance(path, ImageSlice) and path.coding == "raw_rgb":
         return path.rgb()
     image = _decode(path, cv2.IMREAD_COLOR_RGB)
@@ -53,7 +57,11 @@ def read_color(path: Path | ImageSlice) -> UInt8[np.ndarray, "height width 3"]:
 def read_depth(
     path: Path | ImageSlice, units_per_metre: float
 ) -> Float[np.ndarray, "height width"]:
-    """Depth in metres, 0 = no return; the file holds ``units_per_metre`` as 16-bit integers."""
+    """Depth in metres, 0 = no return; the file holds ``units_per_metre`` as 16-bit integers.
+
+    Raises:
+        FrameError: the file is missing, cut off or no 16-bit image of one channel.
+    """
     sliced = isinstance(path, ImageSlice)
     image = path.depth() if sliced else _decode(path, cv2.IMREAD_UNCHANGED)
     if image.dtype != np.uint16 or image.ndim != 2:
@@ -121,7 +129,11 @@ def _decode(path: Path | ImageSlice, flags: int) -> np.ndarray:
 
 
 def check_complete(path: Path | ImageSlice) -> None:
-    """Raises `FrameError` for a cut file without decoding it."""
+    """Check that a file is not cut off, without decoding it.
+
+    Raises:
+        FrameError: the file is missing or cut.
+    """
     if isinstance(path, ImageSlice):
         data = path.read_bytes()
         if path.coding == "encoded":

@@ -60,7 +60,7 @@ class InspectReport:
     format: str
     frames: int
     incomplete: tuple[str, ...]
-    """One line a frame that cannot be used: a missing file, a bad pose."""
+    """One line per frame that cannot be used: a missing file, a bad pose."""
     camera: Camera | None
     intrinsics_source: str
     units_per_metre: float
@@ -136,8 +136,9 @@ def inspect_sequence(
 ) -> InspectReport:
     """Look a sequence over without running anything on it.
 
-    Raises `SequenceError` only where there is nothing to look at; everything else that is wrong
-    comes in `InspectReport.problems`.
+    Raises:
+        SequenceError: there is nothing to look at; everything else that is wrong comes in
+            `InspectReport.problems`.
     """
     settings = settings or InputSettings()
     recording = read_recording(Path(path), format)

@@ -27,7 +27,11 @@ _KNOWN = (
 
 
 def detect_format(path: Path) -> str:
-    """The layout's name, as `open_sequence` takes it; `SequenceError` for anything else."""
+    """The layout's name, as `open_sequence` takes it.
+
+    Raises:
+        SequenceError: the folder is no sequence of a known layout.
+    """
     names = _entries(path)
     found = next((f for f, reader in _READERS.items() if reader.matches(names)), None)
     if found is not None:
@@ -42,7 +46,11 @@ def detect_format(path: Path) -> str:
 
 
 def read_recording(path: Path, format: str | None) -> Recording:
-    """Read a folder's file names, poses and intrinsics; at least one frame must be complete."""
+    """Read a folder's file names, poses and intrinsics; at least one frame must be complete.
+
+    Raises:
+        SequenceError: unknown format, no frame, or a file that the layout needs is missing.
+    """
     format = format or detect_format(path)
     if format not in _READERS:
         raise SequenceError(f"unknown format {format!r}", f"use one of: {', '.join(_READERS)}")

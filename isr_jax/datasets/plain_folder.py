@@ -32,7 +32,11 @@ def matches(names: set[str]) -> bool:
 
 
 def read(path: Path, names: set[str]) -> Recording:
-    """All frames whose name occurs in any of the three folders, sorted."""
+    """All frames whose name occurs in any of the three folders, sorted.
+
+    Raises:
+        SequenceError: intrinsics are missing or cannot be read.
+    """
     if _FILE not in names:
         raise SequenceError(f"{path} has no {_FILE}", f"write it, for example: {_EXAMPLE}")
     data = _settings(path / _FILE)

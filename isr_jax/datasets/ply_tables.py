@@ -1,4 +1,4 @@
-"""Reads PLY meshes with what they say a vertex, as binary or ASCII. Refuses before allocating."""
+"""Reads PLY meshes with what they say per vertex, as binary or ASCII. Refuses before allocating."""
 
 from __future__ import annotations
 
@@ -12,10 +12,23 @@ from jaxtyping import Int
 from ..errors import SequenceError
 
 _TYPES = {
-    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4",
-    "float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2",
-    "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8",
-}  # fmt: skip
+    "char": "i1",
+    "uchar": "u1",
+    "short": "i2",
+    "ushort": "u2",
+    "int": "i4",
+    "uint": "u4",
+    "float": "f4",
+    "double": "f8",
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "i2",
+    "uint16": "u2",
+    "int32": "i4",
+    "uint32": "u4",
+    "float32": "f4",
+    "float64": "f8",
+}
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": "="}
 _MAX_HEADER_LINES = 200
 _MAX_LINE_BYTES = 4096
@@ -39,14 +52,15 @@ class PlyMesh:
     """The tables of a file."""
 
     vertices: np.ndarray
-    """[vertices], a named column a property."""
+    """[vertices], one named column per property."""
     faces: Int[np.ndarray, "faces 3"]
 
 
 def read_ply_mesh(path: Path) -> PlyMesh:
     """Vertices and triangles of a PLY file; faces with more corners are cut into triangles.
 
-    Raises `SequenceError` for a file that is no PLY, ends early, or names vertices it has not.
+    Raises:
+        SequenceError: the file is no PLY, ends early, or names vertices it has not.
     """
     try:
         with path.open("rb") as file:

@@ -69,7 +69,11 @@ class Recording:
     """What a file too large to hash says of how to read the rest."""
 
     def depth_m(self, frame: RecordedFrame) -> Float[np.ndarray, "height width"]:
-        """Depth of a frame, metres, not clipped."""
+        """Depth of a frame, metres, not clipped.
+
+        Raises:
+            FrameError: the frame has no depth, or it cannot be read.
+        """
         return read_depth(present(frame, frame.depth, "depth"), self.units_per_metre)
 
     def content_hash(self) -> str:
@@ -110,7 +114,11 @@ def _contents(path: Path | ImageSlice) -> bytes:
 
 
 def present(frame: RecordedFrame, path: Path | ImageSlice | None, kind: str) -> Path | ImageSlice:
-    """``path``, or the `FrameError` that says which file of the frame is missing."""
+    """``path``, where the frame has that file.
+
+    Raises:
+        FrameError: the frame lacks that file.
+    """
     if path is None:
         raise FrameError(f"frame {frame.name} has no {kind} file", f"add its {kind} or drop it")
     return path
@@ -122,7 +130,11 @@ def spread(count: int, wanted: int) -> list[int]:
 
 
 def unit_gravity(values: Any, source: Path) -> Float[np.ndarray, "3"]:
-    """A given gravity direction made unit; `SequenceError` where it is none."""
+    """A given gravity direction made unit.
+
+    Raises:
+        SequenceError: the values are no direction.
+    """
     try:
         gravity = np.array(values, np.float64)
     except (TypeError, ValueError):

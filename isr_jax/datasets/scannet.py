@@ -39,7 +39,11 @@ def matches(names: set[str]) -> bool:
 
 
 def read(path: Path, names: set[str]) -> Recording:
-    """All frames, from the ``.sens`` file where there is one, else from the exported folders."""
+    """All frames, from the ``.sens`` file where there is one, else from the exported folders.
+
+    Raises:
+        SequenceError: several .sens files, one that cannot be read, or no intrinsics.
+    """
     found = _sens_names(names)
     if len(found) > 1:
         raise SequenceError(

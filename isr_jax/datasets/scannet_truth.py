@@ -33,6 +33,9 @@ def read_scannet_truth(folder: str | Path) -> AnnotatedMesh:
     """Read the mesh and annotation of a scan; ids are objectId + 1.
 
     A label is looked up by its own name first, which is finer than its NYU40 id.
+
+    Raises:
+        SequenceError: a file of the annotation is missing or damaged.
     """
     folder = Path(folder)
     ply = _one(folder, _MESH)

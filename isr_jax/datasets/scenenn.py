@@ -37,7 +37,11 @@ def matches(names: set[str]) -> bool:
 
 
 def read(path: Path, names: set[str]) -> Recording:
-    """All frames that have an image, by number; one without a pose is kept and says so."""
+    """All frames that have an image, by number; one without a pose is kept and says so.
+
+    Raises:
+        SequenceError: trajectory, images or intrinsics are missing or cannot be read.
+    """
     log = _trajectory_name(names)
     if log is None:
         raise SequenceError(f"{path} has no {_TRAJECTORY}", "SceneNN keeps it beside the mesh")

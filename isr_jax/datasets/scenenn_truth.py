@@ -1,4 +1,4 @@
-"""Ground truth of a SceneNN scene: ``NNN.ply`` with a label a vertex, ``NNN.xml`` with names.
+"""Ground truth of a SceneNN scene: ``NNN.ply`` with one label per vertex, ``NNN.xml`` with names.
 
 An element ``label`` has id, text, color and obbox: centre, size and quaternion x y z w (the
 authors' project page, quoted in SceneNN issue 11). The later annotation (contrib/nyu_class) adds
@@ -39,6 +39,9 @@ def read_scenenn_truth(folder: str | Path, *, version: str | None = None) -> Ann
         folder: Holds ``<name>.ply`` and ``<name>.xml``, as published.
         version: One of `VERSIONS`: which names to take where the file has both; by default the
             later, ``nyu_class``, where every label has it.
+
+    Raises:
+        SequenceError: a file is missing or damaged, or the mesh has no labels.
     """
     folder = Path(folder)
     ply, xml = _files(folder)

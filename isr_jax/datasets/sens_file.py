@@ -70,9 +70,11 @@ class SensFile:
 def index_sens(path: Path) -> SensFile:
     """Read the header and, seeking from frame to frame, the place of every image.
 
-    A file that ends too early keeps its whole frames: fewer than `SensFile.declared`. Raises
-    `SequenceError` for another version, for sizes that cannot be, for depth that was compressed
-    with OpenNI's own coding, and for a header that is cut.
+    A file that ends too early keeps its whole frames: fewer than `SensFile.declared`.
+
+    Raises:
+        SequenceError: another version, sizes that cannot be, depth compressed with OpenNI's own
+            coding, or a header that is cut.
     """
     try:
         with path.open("rb") as file:

@@ -105,14 +105,15 @@ def open_sequence(
 ) -> RecordedSequence:
     """Open a posed RGB-D sequence; its frames come in the world frame (z up, floor at 0).
 
-    Raises `SequenceError` for what would spoil every frame: no frames, no intrinsics or those of
-    another resolution, depth in another unit, poses of another convention, no floor.
-
     Args:
         path: Folder of a 7-Scenes, TUM RGB-D, SceneNN, ScanNet or plain sequence.
         settings: Which depth is believed; picking frames is left to who iterates.
         format: ``7scenes``, ``tum``, ``scenenn``, ``scannet`` or ``plain``; by default found
             from the folder's entries.
+
+    Raises:
+        SequenceError: what would spoil every frame: no frames, no intrinsics or those of another
+            resolution, depth in another unit, poses of another convention, no floor.
     """
     settings = settings or InputSettings()
     recording = read_recording(Path(path), format)
@@ -140,7 +141,11 @@ def open_sequence(
 
 
 def color_notes(recording: Recording, camera: Camera) -> tuple[str, ...]:
-    """Says so where colour is resized; `SequenceError` where it cannot be of the same view."""
+    """Says so where colour is resized.
+
+    Raises:
+        SequenceError: it cannot be of the same view.
+    """
     for recorded in recording.frames[:5]:
         try:
             color = read_color(present(recorded, recorded.color, "colour"))

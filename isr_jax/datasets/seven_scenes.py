@@ -26,7 +26,11 @@ def matches(names: set[str]) -> bool:
 
 
 def read(path: Path, names: set[str]) -> Recording:
-    """All frames of the folder, sorted; a frame that misses a file is kept and says so."""
+    """All frames of the folder, sorted; a frame that misses a file is kept and says so.
+
+    Raises:
+        SequenceError: intrinsics are missing or cannot be read.
+    """
     parts: dict[str, dict[str, Path]] = {}
     for name in names:
         if found := _FILE.match(name):

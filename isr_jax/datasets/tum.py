@@ -33,7 +33,11 @@ def matches(names: set[str]) -> bool:
 
 
 def read(path: Path, names: set[str]) -> Recording:
-    """A frame for every colour image that has a depth image within 20 ms."""
+    """A frame for every colour image that has a depth image within 20 ms.
+
+    Raises:
+        SequenceError: a list of the archive is missing or cannot be read.
+    """
     absent = [name for name in _FILES if name not in names]
     if absent:
         raise SequenceError(f"{path} has no {', '.join(absent)}", "unpack the whole TUM archive")

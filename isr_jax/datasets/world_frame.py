@@ -63,7 +63,7 @@ def sample_cloud(
     camera: Camera,
     T_dataset_camera: Float[np.ndarray, "4 4"],
 ) -> tuple[Float[np.ndarray, "points 3"], Float[np.ndarray, "points 3"]]:
-    """Points and unit normals of one frame, a point a block of pixels (8x8 in VGA)."""
+    """Points and unit normals of one frame, one point per block of pixels (8x8 in VGA)."""
     side = max(1, depth_m.shape[1] // _COLUMNS)
     mean, valid = _block_means(depth_m, side)
     v, u = np.indices(mean.shape) * side + (side - 1) / 2
@@ -103,6 +103,9 @@ def find_world_frame(cloud: Cloud, gravity: Float[np.ndarray, "3"] | None) -> Wo
         cloud: Points of frames spread over the sequence.
         gravity: Unit vector, down, dataset frame, levelled by floors and walls where it is a few
             degrees off them (things must stand on the floor that was seen); None: it is estimated.
+
+    Raises:
+        SequenceError: no floor was seen, or gravity cannot be estimated.
     """
     down = estimate_gravity(cloud) if gravity is None else _levelled(cloud, gravity)
     R = smallest_rotation(down, np.array([0.0, 0.0, -1.0]))
@@ -168,6 +171,9 @@ def estimate_gravity(cloud: Cloud) -> Float[np.ndarray, "3"]:
     Searches a grid of directions within 60 degrees of the cameras' mean down direction, then
     refines: with inlier normals n, down = argmin sum_perpendicular (n . g)^2 -
     sum_parallel (n . g)^2, the eigenvector of the least eigenvalue.
+
+    Raises:
+        SequenceError: the cameras' down directions cancel.
     """
     mean = cloud.camera_down.mean(0)
     lean = float(np.linalg.norm(mean))

@@ -40,6 +40,9 @@ def demo(
         segmenter: How wrong the masks are; see `segmentation.SimulatedSegmenter`.
         settings: By default the preset ``default``.
         reporter: Receives progress.
+
+    Raises:
+        IsrError: as `film_room`, `pipeline.run` and `evaluate`.
     """
     out_dir, reporter = Path(out_dir), reporter or LogReporter()
     library = default_library()

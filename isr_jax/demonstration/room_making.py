@@ -87,7 +87,12 @@ def made_to_stand(
     twin_dir: Path | None = None,
     reporter: Reporter | None = None,
 ) -> StandingRoom:
-    """As `standing_room`, for a room that is there already."""
+    """As `standing_room`, for a room that is there already.
+
+    Raises:
+        SceneError: something still moves after `_ROUNDS` rounds.
+        OutputError: the scene cannot be written.
+    """
     reporter = reporter or LogReporter()
     if twin_dir is not None:
         return _settled(room, library, Path(twin_dir), reporter)

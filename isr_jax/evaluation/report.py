@@ -59,7 +59,11 @@ class EvaluationReport:
         return dataclasses.asdict(self)
 
     def write(self, path: str | Path) -> None:
-        """Write `to_json` to a file."""
+        """Write `to_json` to a file.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
         try:
             text = json.dumps(self.to_json(), indent=1, allow_nan=False)
             Path(path).write_text(text + "\n", "utf-8")
@@ -99,7 +103,7 @@ class EvaluationReport:
         return render_text(self.table())
 
     def _class_table(self) -> Table:
-        """A row a class, then both averages."""
+        """One row per class, then both averages."""
         headings = ("class", "PQ", "SQ", "RQ", "TP/FP/FN", "mask AP", "box AP", "11-point box AP")
         table = Table(
             *headings,

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ..borders.ply import read_ply
+from ..config import DEFAULT_SUPPORT, SupportSettings, settings_from_dict
 from ..errors import SceneError
 from ..geometry.boxes import canonical_box
 from ..scene_file import SceneFile, read_scene
@@ -49,7 +50,11 @@ class Truth:
 
 
 def read_truth(folder: Path) -> Truth:
-    """Read ``scene.json``, ``observed.npz`` and ``meshes/`` of a truth folder."""
+    """Read ``scene.json``, ``observed.npz`` and ``meshes/`` of a truth folder.
+
+    Raises:
+        SceneError: a file is missing or damaged.
+    """
     scene = read_scene(folder / "scene.json")
     path = folder / "observed.npz"
     try:
@@ -81,7 +86,11 @@ def _positions(table: np.ndarray) -> Float[np.ndarray, "vertices 3"]:
 
 
 def read_result(folder: Path, truth: Truth) -> Result:
-    """Read ``scene.json`` and ``map/panoptic.ply`` of a results folder."""
+    """Read ``scene.json`` and ``map/panoptic.ply`` of a results folder.
+
+    Raises:
+        SceneError: a file is missing or damaged.
+    """
     scene = read_scene(folder / "scene.json")
     hint = "map/panoptic.ply is written by `isr run`"
     table, faces = read_ply(folder / "map" / "panoptic.ply", _COLUMNS, hint)
@@ -94,6 +103,16 @@ def read_result(folder: Path, truth: Truth) -> Result:
         table["class"].astype(np.int64),
         T,
     )
+
+
+def support_of(scene: SceneFile) -> SupportSettings:
+    """What counted as a support in the run that wrote a scene; the defaults where it is silent.
+
+    Raises:
+        SettingError: what the scene says is not what it should be.
+    """
+    said = scene.settings.get("support")
+    return DEFAULT_SUPPORT if said is None else settings_from_dict({"support": said}).support
 
 
 def moved_box(box: Box, T: Float[np.ndarray, "4 4"]) -> Box:

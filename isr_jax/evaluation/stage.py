@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from ..config import SupportSettings
 from ..library import CadLibrary
 from ..types import Box
 from .graphs.graph_scores import score_attachments, score_proximal, score_supports
@@ -21,7 +22,7 @@ from .models.cad_alignment import AlignmentLimits
 from .models.cad_scores import score_cad_scene
 from .models.replacement import score_replacement
 from .report import EvaluationReport
-from .result_files import read_result, read_truth
+from .result_files import read_result, read_truth, support_of
 from .standing import read_standing
 
 
@@ -33,6 +34,7 @@ def evaluate(
     truth_library: CadLibrary | None = None,
     unrefined: Mapping[str, Box] | None = None,
     limits: AlignmentLimits | None = None,
+    support: SupportSettings | None = None,
     released_counting: bool = False,
 ) -> EvaluationReport:
     """Score a reconstructed scene; both folders are brought to the truth's world first.
@@ -48,7 +50,14 @@ def evaluate(
             symmetry.
         unrefined: Boxes by entity name before supports refined them, for mAP beside mAP_re.
         limits: Of the CAD alignment accuracy.
+        support: Which planes may carry something (a_th), in both scenes. By default as in the run
+            that is scored, from its scene.json; give one for all where runs are compared that
+            differ in it.
         released_counting: Also count as the released code does, for comparison only.
+
+    Raises:
+        SceneError: a file is missing or damaged, or a model is in no library.
+        SettingError: the support settings of the run are not what they should be.
     """
     truth_library = library if truth_library is None else truth_library
     truth = read_truth(Path(truth_dir))
@@ -57,9 +66,12 @@ def evaluate(
     matches = match_entities(truth, result, compared)
     seen = observed_ids(truth)
     limits = limits or AlignmentLimits()
+    support = support or support_of(result.scene)
     replacement = None
     if library is not None and truth_library is not None:
-        replacement = score_replacement(truth, result, matches, library, truth_library, limits)
+        replacement = score_replacement(
+            truth, result, matches, library, truth_library, limits, support
+        )
     return EvaluationReport(
         panoptic=panoptic_scores(compared.quality),
         instances=score_instances(compared),

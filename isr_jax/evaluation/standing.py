@@ -39,8 +39,8 @@ class StandingScores:
     """ISR-Stab of the result, from its ``stability.json``."""
 
     exported: SetStanding
-    freed: SetStanding
-    """Everything freed but layout and what hangs on it."""
+    freed: SetStanding | None
+    """Everything freed but layout and what hangs on it; None where nothing could be freed."""
     reset_survival: float | None
     """Over (reset, body) pairs."""
     failed: int
@@ -54,12 +54,18 @@ class StandingScores:
     def headline(self) -> Headline:
         a, b = self.exported, self.freed
         return (
-            ("stands within 1 / 5 / 20 cm", percent(a.within_1_cm, a.within_5_cm, a.within_20_cm)),
-            ("  everything freed", percent(b.within_1_cm, b.within_5_cm, b.within_20_cm)),
+            ("stands within 1 / 5 / 20 cm", percent(*_within(a))),
+            ("  everything freed", percent(*_within(b))),
             ("  PhyRecon / MolmoSpaces", percent(a.phyrecon, a.molmospaces_bodies)),
             ("  penetration at t = 0, max", millimetres(a.penetration_max_m)),
             ("  alignment error beside it, mean", millimetres(self.alignment_error_mean_m)),
         )
+
+
+def _within(bodies: SetStanding | None) -> tuple[float | None, float | None, float | None]:
+    if bodies is None:
+        return None, None, None
+    return bodies.within_1_cm, bodies.within_5_cm, bodies.within_20_cm
 
 
 def read_standing(folder: Path) -> StandingScores | None:
@@ -73,7 +79,7 @@ def read_standing(folder: Path) -> StandingScores | None:
         data = json.loads(path.read_text("utf-8"))
         return StandingScores(
             exported=_set(data["exported"], len(data["failed"])),
-            freed=_set(data["freed"], len(data["failed"])),
+            freed=None if data["freed"] is None else _set(data["freed"], len(data["failed"])),
             reset_survival=data["resets"]["body_survival"],
             failed=len(data["failed"]),
             fixed=len(data["fixed"]),

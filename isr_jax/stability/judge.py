@@ -10,6 +10,8 @@ import numpy as np
 
 from ..borders import simulation
 from ..config import StabilitySettings
+from ..errors import SceneError
+from ..runtime.cores import usable_cores
 from ..scene_file import SceneFile, read_scene
 from .measures import body_motions, joint_motions, left_room, rates, variant_rates
 from .report import Overlap, ResetReport, SetReport, StabilityReport
@@ -18,60 +20,78 @@ _OVERLAP_M = 1e-5
 _SURVIVAL_M = 0.05
 _ROOM_MARGIN_M = 0.5
 """A centre of mass this far outside the box about everything has left the room."""
-_THREADS = 2
+_COMPILED = "a compiled MjModel cannot be freed: give the file or the MjSpec that it came from"
 
 
 def settle(
-    scene_xml: str | Path,
+    scene: simulation.SceneSource,
     settings: StabilitySettings | None = None,
     *,
     anchored: Sequence[str] | None = None,
 ) -> StabilityReport:
     """Let a scene move by itself in MuJoCo and report how far it stays where it was put.
 
+    The start is ``qpos0``: keyframes are not read, controls are zero. The verdict does not depend
+    on how many processors share the work.
+
     Args:
-        scene_xml: From `export_scene`; a ``scene.json`` beside it is read.
+        scene: Path of an MJCF or URDF file, an `MjSpec`, or an `MjModel`. Beside a path,
+            ``scene.json`` is read where there is one. An `MjModel` is judged as it is, but cannot
+            be freed: `StabilityReport.freed` is None and `StabilityReport.not_freed` says why.
         settings: By default those of the preset ``default``.
-        anchored: Bodies that stay fixed when everything is freed, besides those without mass. By
-            default the layout and what hangs on it, from scene.json.
+        anchored: Static top-level bodies that stay fixed when everything is freed, besides those
+            without mass. By default the layout and what hangs on it, from scene.json.
 
     Raises:
-        SceneError: the scene cannot be loaded.
+        SceneError: the scene cannot be loaded, ``scene.json`` cannot be read, or a body that is
+            to be anchored is none of the static ones.
     """
-    settings, scene_xml = settings or StabilitySettings(), Path(scene_xml)
-    model = simulation.load_model(scene_xml)
-    scene = _scene_beside(scene_xml)
+    settings = settings or StabilitySettings()
+    model = simulation.load_model(scene)
+    stored = _scene_beside(scene)
     names = set(simulation.static_bodies(model)) | set(simulation.free_bodies(model))
-    held = _anchored(model, scene) if anchored is None else tuple(anchored)
-    held += tuple(n for n in simulation.massless_bodies(model) if n not in held)
-    failed = () if scene is None else _without_body(scene, names)
-    freed = simulation.load_freed(scene_xml, held)
-    errors = _alignment_errors(scene)
+    failed = () if stored is None else _without_body(stored, names)
+    held = _held(model, stored, anchored)
+    freed = None if simulation.is_compiled(scene) else simulation.freed_model(scene, held)
+    errors = _alignment_errors(stored)
     return StabilityReport(
-        scene=str(scene_xml),
+        scene=simulation.scene_label(scene),
         exported=_judge(model, "as exported", settings, len(failed)),
-        freed=_judge(freed, "everything freed", settings, len(failed)),
+        freed=None if freed is None else _judge(freed, "everything freed", settings, len(failed)),
+        not_freed=_COMPILED if freed is None else None,
         resets=_resets(model, settings, len(failed)),
         failed=failed,
         fixed=tuple(n for n in simulation.static_bodies(model) if n not in held),
-        anchored=tuple(held),
+        anchored=held,
         alignment_error_mean_m=float(np.mean(errors)) if errors else None,
-        scans_kept=None if scene is None else sum(e.type == "scan" for e in scene.entities),
+        scans_kept=None if stored is None else sum(e.type == "scan" for e in stored.entities),
     )
 
 
-def _scene_beside(scene_xml: Path) -> SceneFile | None:
-    path = scene_xml.parent / "scene.json"
+def _held(model, stored: SceneFile | None, anchored: Sequence[str] | None) -> tuple[str, ...]:
+    """What stays fixed when everything is freed."""
+    static = simulation.static_bodies(model)
+    unknown = [name for name in anchored or () if name not in static]
+    if unknown:
+        raise SceneError(
+            f"anchored bodies that are not fixed to the world: {', '.join(unknown)}",
+            f"use some of: {', '.join(static) or 'none'}",
+        )
+    held = _hung_or_layout(static, stored) if anchored is None else tuple(anchored)
+    return held + tuple(n for n in simulation.unfreeable_bodies(model) if n not in held)
+
+
+def _scene_beside(scene: simulation.SceneSource) -> SceneFile | None:
+    if not isinstance(scene, str | Path):
+        return None
+    path = Path(scene).parent / "scene.json"
     return read_scene(path) if path.is_file() else None
 
 
-def _anchored(model, scene: SceneFile | None) -> tuple[str, ...]:
-    if scene is None:
-        return ()
-    holds = {
-        e.name for e in scene.entities if e.type == "layout" or e.attachment in ("wall", "hanging")
-    }
-    return tuple(n for n in simulation.static_bodies(model) if n in holds)
+def _hung_or_layout(static: Sequence[str], stored: SceneFile | None) -> tuple[str, ...]:
+    entities = () if stored is None else stored.entities
+    holds = {e.name for e in entities if e.type == "layout" or e.attachment in ("wall", "hanging")}
+    return tuple(name for name in static if name in holds)
 
 
 def _without_body(scene: SceneFile, names: set[str]) -> tuple[str, ...]:
@@ -124,7 +144,7 @@ def _resets(model, settings: StabilitySettings, failed: int) -> ResetReport:
         return (drift < _SURVIVAL_M) & ~gone & (not path.warnings)
 
     # MuJoCo releases the interpreter lock while it steps; the order of results is that of keys.
-    with ThreadPoolExecutor(_THREADS) as pool:
+    with ThreadPoolExecutor(usable_cores()) as pool:
         outcomes = list(pool.map(stands, keys))
     tries = sum(len(o) for o in outcomes) + count * failed
     return ResetReport(

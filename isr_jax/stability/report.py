@@ -118,9 +118,12 @@ class StabilityReport:
     """ISR-Stab of one scene."""
 
     scene: str
+    """Its path, or ``MjModel`` or ``MjSpec`` and its name."""
     exported: SetReport
-    freed: SetReport
+    freed: SetReport | None
     """Everything freed but layout and what hangs on it; shows what fixing hides."""
+    not_freed: str | None
+    """Why `freed` is None."""
     resets: ResetReport
     failed: tuple[str, ...]
     """Entities of scene.json that are not in the simulation at all."""
@@ -138,7 +141,11 @@ class StabilityReport:
         return _plain(dataclasses.asdict(self))
 
     def write(self, path: Path) -> None:
-        """Write ``stability.json``; raises `OutputError` where that fails."""
+        """Write ``stability.json``.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
         try:
             path.write_text(json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n", "utf-8")
         except OSError as error:
@@ -163,7 +170,7 @@ def _plain(value: Any) -> Any:
 
 
 def _summary(report: StabilityReport) -> Table:
-    sets = (report.exported, report.freed)
+    sets = [each for each in (report.exported, report.freed) if each is not None]
     table = Table(title="ISR-Stab", title_justify="left")
     table.add_column("")
     for each in sets:
@@ -174,11 +181,11 @@ def _summary(report: StabilityReport) -> Table:
     table.add_row(
         f"survived resets ({_mm(resets.perturbation_m)} off)",
         f"{resets.survived} of {resets.resets}",
-        "",
     )
-    table.add_row("entities without a body", failed, "")
+    table.add_row("entities without a body", failed)
     error = report.alignment_error_mean_m
-    table.add_row("mean alignment error of models", "-" if error is None else _mm(error), "")
+    table.add_row("mean alignment error of models", "-" if error is None else _mm(error))
+    table.caption = None if report.not_freed is None else f"everything freed: {report.not_freed}"
     return table
 
 

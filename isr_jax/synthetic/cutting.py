@@ -45,7 +45,7 @@ def face_normals(mesh: Mesh) -> Float[np.ndarray, "faces 3"]:
 
 
 def faceted(mesh: Mesh, face_rgb: Float[np.ndarray, "faces 3"]) -> Mesh:
-    """The mesh with vertices shared only within a flat facet, its normal and colour a vertex."""
+    """The mesh with vertices shared only within a flat facet; normal and colour per vertex."""
     normal = face_normals(mesh)
     flat = mesh.faces.reshape(-1).astype(np.int64)
     levels = np.rint(normal * 500).astype(np.int64) + 512

@@ -37,10 +37,9 @@ def quaternion(R) -> np.ndarray:
             [R[0, 0] + R[1, 1] + R[2, 2], 0, 0, 0],
             [R[2, 1] - R[1, 2], R[0, 0] - R[1, 1] - R[2, 2], 0, 0],
             [R[0, 2] - R[2, 0], R[0, 1] + R[1, 0], R[1, 1] - R[0, 0] - R[2, 2], 0],
-            [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1],
-             R[2, 2] - R[0, 0] - R[1, 1]],
+            [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1], R[2, 2] - R[0, 0] - R[1, 1]],
         ]
-    )  # fmt: skip
+    )
     values, vectors = np.linalg.eigh(K / 3)  # reads the lower triangle
     assert values[-1] > 0.99  # of a rotation the largest is 1
     return vectors[:, -1]

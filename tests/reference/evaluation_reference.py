@@ -42,8 +42,11 @@ def average_precision(iou, score, threshold) -> float:
     """Area under the curve, recall step by recall step."""
     taken, hits = set(), []
     for row in sorted(range(len(score)), key=lambda i: -score[i]):
-        best = max((t for t in range(iou.shape[1]) if t not in taken), key=lambda t: iou[row, t],
-                   default=None)  # fmt: skip
+        best = max(
+            (t for t in range(iou.shape[1]) if t not in taken),
+            key=lambda t: iou[row, t],
+            default=None,
+        )
         good = best is not None and iou[row, best] >= threshold
         if good:
             taken.add(best)

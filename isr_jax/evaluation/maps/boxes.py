@@ -88,7 +88,7 @@ class BoxScores:
 
 
 def score_boxes(truth: Truth, result: Result, replaced: Mapping[str, Box] | None) -> BoxScores:
-    """AP of the boxes of things, a class at a time, at IoU 0.5 and 0.25.
+    """AP of the boxes of things, class by class, at IoU 0.5 and 0.25.
 
     The confidence of a prediction is its vertex count, since a map holds no other. Predictions
     of a class that no seen true thing has are in no mean. A prediction that hits nothing but the

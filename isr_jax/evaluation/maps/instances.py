@@ -1,7 +1,7 @@
 """Instance segmentation in 3D: average precision of the masks of things over true points.
 
 As the ScanNet benchmark scores it (Dai et al. 2017): masks are sets of points of the true scene,
-a class at a time, at IoU 0.5, at 0.25, and averaged over 0.5, 0.55, ..., 0.95 (their benchmark
+class by class, at IoU 0.5, at 0.25, and averaged over 0.5, 0.55, ..., 0.95 (their benchmark
 stops at 0.9). What differs: points are the 2 cm grid of the surface that the camera saw instead
 of mesh vertices; the confidence of a prediction is its vertex count, since a map holds no other,
 where theirs comes from the network; the curve is all-point precision instead of their own

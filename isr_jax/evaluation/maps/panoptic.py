@@ -107,7 +107,7 @@ class ClassQuality:
 
     class_name: str
     kind: str
-    """``thing``, or ``stuff`` (layout and stuff: one segment a class)."""
+    """``thing``, or ``stuff`` (layout and stuff: one segment per class)."""
     pq: float
     sq: float
     rq: float

@@ -36,8 +36,19 @@ from .boxes import box_iou_matrix
 MIN_VERTICES = 1000
 _MATCH_IOU = 0.5
 _STUFF = ("floor", "wall")
-_OF_TRUTH = ("floor", "wall", "bag", "chair", "table", "monitor", "bed", "fridge", "cabinet",
-             "sofa", "desk")  # fmt: skip
+_OF_TRUTH = (
+    "floor",
+    "wall",
+    "bag",
+    "chair",
+    "table",
+    "monitor",
+    "bed",
+    "fridge",
+    "cabinet",
+    "sofa",
+    "desk",
+)
 """Searched for, in this order, anywhere in an annotation's text."""
 _COUNTED_AS = {"desk": "table", "wall_cabinet": "cabinet"}
 """Desks count as tables. What hangs is a class of our own that the released code does not have."""

@@ -72,7 +72,7 @@ class SurfaceScores:
         )
 
     def table(self) -> Table:
-        """A row a limit."""
+        """One row per limit."""
         table = Table("surface within", "precision", "recall", "F-score")
         for r in self.rates:
             shares = (percent(v) for v in (r.precision, r.recall, r.f_score))

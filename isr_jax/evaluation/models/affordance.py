@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import linear_sum_assignment
 
+from ...config import DEFAULT_SUPPORT, SupportSettings
 from ...robot_model import Joint, Link, link_transforms
 from ...scene_file import EntityRecord
 from .cad_cases import PosedModel
@@ -22,7 +23,6 @@ HEIGHT_M = 0.05
 """A plane carries what stands higher or lower by no more than this."""
 _SEAT_M2 = 0.02
 """A supporting plane of at least this area offers a place even where nothing stands on it."""
-_UP_COSINE = 0.9
 _EMPTY_M3 = 1e-6
 _ARM_M = 0.005
 """What turns about its own middle opens to no side."""
@@ -136,7 +136,10 @@ def volume_agreement(true: Sequence[MovingPart], placed: Sequence[MovingPart]) -
 
 
 def carrying_planes(
-    found: EntityRecord, placed: PosedModel | None, T: Float[np.ndarray, "4 4"]
+    found: EntityRecord,
+    placed: PosedModel | None,
+    T: Float[np.ndarray, "4 4"],
+    support: SupportSettings = DEFAULT_SUPPORT,
 ) -> Float[np.ndarray, "planes 4 3"]:
     """Rectangles that may carry something, world of the truth: of the model, else of the scan.
 
@@ -144,25 +147,30 @@ def carrying_planes(
         found: The entity.
         placed: The model that stands for it, already in the truth's world.
         T: From the result's world to the truth's.
+        support: What faces up (a_th).
     """
     if placed is not None:
-        return supporting_rectangles(placed)
-    up = [p.corners for p in found.planes if p.normal[2] >= _UP_COSINE]
+        return supporting_rectangles(placed, support)
+    up = [p.corners for p in found.planes if p.normal[2] >= support.up_cosine]
     corners = np.array(up, np.float64).reshape(-1, 4, 3)
     return corners @ T[:3, :3].T + T[:3, 3]
 
 
-def supporting_rectangles(posed: PosedModel) -> Float[np.ndarray, "planes 4 3"]:
-    """The supporting planes of a model where it stands, those that still face up."""
+def supporting_rectangles(
+    posed: PosedModel, support: SupportSettings = DEFAULT_SUPPORT
+) -> Float[np.ndarray, "planes 4 3"]:
+    """The supporting planes of a model where it stands, those that still face up (a_th)."""
     planes = posed.model.planes
     rows = np.asarray(posed.model.plane_supporting) & np.asarray(planes.valid)
-    rows &= np.asarray(planes.normal, np.float64) @ posed.rotation[2] >= _UP_COSINE
+    rows &= np.asarray(planes.normal, np.float64) @ posed.rotation[2] >= support.up_cosine
     corners = np.asarray(planes.corners)[rows].reshape(-1, 3)
     return posed.to_world(corners).reshape(-1, 4, 3)
 
 
 def asked_places(
-    true: PosedModel, children: Sequence[EntityRecord]
+    true: PosedModel,
+    children: Sequence[EntityRecord],
+    support: SupportSettings = DEFAULT_SUPPORT,
 ) -> Float[np.ndarray, "places 3"]:
     """Where something must find a hold: below every true child, and on the largest supporting
     plane (a seat, a table top), if it is not too small."""
@@ -170,7 +178,7 @@ def asked_places(
     for child in children:
         center, size = np.asarray(child.box.center), np.asarray(child.box.size)
         places.append([center[0], center[1], center[2] - size[2] / 2])
-    rectangles = supporting_rectangles(true)
+    rectangles = supporting_rectangles(true, support)
     sides = rectangles[:, 1] - rectangles[:, 0], rectangles[:, 3] - rectangles[:, 0]
     area = np.linalg.norm(np.cross(sides[0], sides[1]), axis=-1)
     if len(area) and area.max() >= _SEAT_M2:

@@ -104,7 +104,11 @@ def cad_cases(
 
 
 def model_named(cad_id: str, library: CadLibrary) -> CadModel:
-    """The model of this id; raises `SceneError` where the library has none."""
+    """The model of this id.
+
+    Raises:
+        SceneError: the library has no such model.
+    """
     try:
         return library.by_id(cad_id)
     except KeyError:
@@ -120,7 +124,11 @@ def same_model(a: CadModel, b: CadModel) -> bool:
 
 
 def posed_model(cad: CadRecord, library: CadLibrary, T: np.ndarray) -> PosedModel:
-    """The model of a scene in another world, to which ``T`` [4, 4] brings the scene's."""
+    """The model of a scene in another world, to which ``T`` [4, 4] brings the scene's.
+
+    Raises:
+        SceneError: the library has no such model.
+    """
     return PosedModel(
         model_named(cad.id, library),
         T @ np.asarray(cad.T_world_cad, np.float64),

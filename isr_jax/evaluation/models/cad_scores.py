@@ -75,7 +75,7 @@ class CadScores:
         return (("CAD placed / same model", percent(self.placed, self.same_model)),)
 
     def table(self) -> Table:
-        """A row a true model."""
+        """One row per true model."""
         table = Table("true entity", "true model", "model", "centre", "rotation", "size", "aligned")
         for row in self.rows:
             e = row.errors

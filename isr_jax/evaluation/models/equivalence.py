@@ -25,6 +25,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...config import DEFAULT_SUPPORT, SupportSettings
 from ...geometry import canonical_box
 from ...scene_file import EntityRecord, SceneFile
 from ...types import Box
@@ -170,13 +171,19 @@ class EquivalenceScores:
 
 
 def score_equivalence(
-    truth: Truth, result: Result, matches: tuple[Match, ...], cases: Sequence[CadCase]
+    truth: Truth,
+    result: Result,
+    matches: tuple[Match, ...],
+    cases: Sequence[CadCase],
+    support: SupportSettings = DEFAULT_SUPPORT,
 ) -> EquivalenceScores:
-    """Score every case; both scenes' supports are compared under the matching of entities."""
+    """Score every case; both scenes' supports are compared under the matching of entities.
+
+    ``support`` says which planes may carry (a_th)."""
     supports = true_supports(truth.scene, matches), found_supports(result.scene, matches)
     overlaps = _box_overlaps(cases, result)
     rows = tuple(
-        _row(case, truth.scene, supports, result.T_truth_result, overlap)
+        _row(case, truth.scene, supports, result.T_truth_result, overlap, support)
         for case, overlap in zip(cases, overlaps, strict=True)
     )
     articulated = {c.true.name for c in cases if c.true_model.model.articulated}
@@ -189,12 +196,13 @@ def _row(
     supports: tuple[Supports, Supports],
     T: np.ndarray,
     box_iou: float,
+    support: SupportSettings,
 ) -> EquivalenceRow:
     true, found, placed = case.true, case.found, case.placed
     if found is None:
         return EquivalenceRow.of(case, (0.0, 0.0, 0.0, 0.0), None)
     class_name = found.class_name if placed is None else placed.model.class_name
-    offers = _affordance(case, scene, supports[0], T)
+    offers = _affordance(case, scene, supports[0], T, support)
     details = PartDetails(
         class_agreement(true.class_name, class_name),
         edge_agreement(*supports, true.name),
@@ -216,17 +224,17 @@ def _row(
 
 
 def _affordance(
-    case: CadCase, scene: SceneFile, true: Supports, T: np.ndarray
+    case: CadCase, scene: SceneFile, true: Supports, T: np.ndarray, support: SupportSettings
 ) -> tuple[float | None, float | None, float | None]:
     """Agreement of joints, carrying planes and openable room."""
     assert case.found is not None
     there = moving_parts(case.true_model)
     here: tuple[MovingPart, ...] = () if case.placed is None else moving_parts(case.placed)
     children = [scene.entity(name) for name in sorted(true.children.get(case.true.name, ()))]
-    rectangles = carrying_planes(case.found, case.placed, T)
+    rectangles = carrying_planes(case.found, case.placed, T, support)
     return (
         joint_agreement(there, here),
-        carrying_agreement(asked_places(case.true_model, children), rectangles),
+        carrying_agreement(asked_places(case.true_model, children, support), rectangles),
         volume_agreement(there, here),
     )
 

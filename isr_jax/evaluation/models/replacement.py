@@ -6,6 +6,7 @@ import dataclasses
 
 from rich.table import Table
 
+from ...config import DEFAULT_SUPPORT, SupportSettings
 from ...library import CadLibrary
 from ..figures import Headline, millimetres, percent
 from ..matches import Match
@@ -43,11 +44,9 @@ class ReplacementScores:
         )
 
     def table(self) -> Table:
-        """A row a true model: retrieval, distance, and the parts of its equivalence."""
-        table = Table(
-            "true entity", "model", "hit rank", "Chamfer", "relations", "affordance", "geometry",
-            "appearance", "score",
-        )  # fmt: skip
+        """One row per true model: retrieval, distance, and the parts of its equivalence."""
+        parts_of_score = ("relations", "affordance", "geometry", "appearance", "score")
+        table = Table("true entity", "model", "hit rank", "Chamfer", *parts_of_score)
         for r, e in zip(self.retrieval.rows, self.equivalence.rows, strict=True):
             parts = (e.relations, e.affordance, e.geometry, e.appearance, e.score)
             rank = "-" if r.rank is None else str(r.rank)
@@ -64,6 +63,7 @@ def score_replacement(
     library: CadLibrary,
     truth_library: CadLibrary,
     limits: AlignmentLimits,
+    support: SupportSettings = DEFAULT_SUPPORT,
 ) -> ReplacementScores:
     """All measures of CAD replacement.
 
@@ -74,6 +74,7 @@ def score_replacement(
         library: The result's models.
         truth_library: The room's models.
         limits: Of alignment accuracy.
+        support: Which planes may carry (a_th).
 
     Raises:
         SceneError: a model is in neither library.
@@ -89,7 +90,7 @@ def score_replacement(
         retrieval=score_retrieval(cases, library),
         scan2cad=score_scan2cad(seen, placed, limits),
         chamfer=ChamferScores.over(tuple(row for case in cases for row in _chamfer_rows(case))),
-        equivalence=score_equivalence(truth, result, matches, cases),
+        equivalence=score_equivalence(truth, result, matches, cases, support),
     )
 
 

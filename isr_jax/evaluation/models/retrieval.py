@@ -197,6 +197,9 @@ def score_retrieval(cases: Sequence[CadCase], library: CadLibrary) -> RetrievalS
     Args:
         cases: Every seen true thing with a model.
         library: The result's models.
+
+    Raises:
+        SceneError: a candidate is not in the library.
     """
     shapes = FittedShapes()
     return RetrievalScores.over(tuple(_row(case, library, shapes) for case in cases))

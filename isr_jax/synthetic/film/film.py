@@ -55,7 +55,7 @@ class Look:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class SeenSurface:
-    """True surface points, one a cell of a 2 cm grid and entity, world frame."""
+    """True surface points, one per cell of a 2 cm grid and entity, world frame."""
 
     points: Float[np.ndarray, "points 3"]
     normals: Float[np.ndarray, "points 3"]

@@ -149,7 +149,11 @@ def frame_name(index: int) -> str:
 
 
 def make_folders(out_dir: Path, pose_noise: PoseNoise = NO_DRIFT) -> None:
-    """Make the folders of a sequence."""
+    """Make the folders of a sequence.
+
+    Raises:
+        OutputError: a folder cannot be made.
+    """
     names = ["rgb", "depth", "poses", "panoptic", "parts", "truth"]
     for name in names + ["truth/poses"] * (pose_noise != NO_DRIFT):
         try:
@@ -167,7 +171,11 @@ def _intrinsics(room: Room, camera: Camera) -> dict[str, Any]:
 
 
 def write_shot(out_dir: Path, index: int, shot: Shot) -> None:
-    """Write the images of one frame into the folders of a sequence."""
+    """Write the images of one frame into the folders of a sequence.
+
+    Raises:
+        OutputError: an image cannot be written.
+    """
     name = frame_name(index)
     bgr = np.ascontiguousarray(shot.color[..., ::-1])
     quality = [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY]

@@ -20,7 +20,7 @@ WELL_SEEN = 0.6
 _EYES = 300
 """Places that what is observable is judged from."""
 _RAYS = 500
-"""About as many an entity and frame, spread over the rectangle around it."""
+"""About as many per entity and frame, spread over the rectangle around it."""
 _COARSEST_PX = 8
 _NEAR_M = 0.05
 _DEPTH_SLACK = 0.02

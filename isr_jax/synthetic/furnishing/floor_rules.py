@@ -108,9 +108,14 @@ def stand_at_wall(
 
 
 def stand_beside(
-    space: Occupancy, rng: np.random.Generator, role: str, model: CadModel, scale: float,
-    host: int, side: float,
-) -> int | None:  # fmt: skip
+    space: Occupancy,
+    rng: np.random.Generator,
+    role: str,
+    model: CadModel,
+    scale: float,
+    host: int,
+    side: float,
+) -> int | None:
     """One thing at the wall of its host, close to its right (``side`` 1) or left (-1)."""
     under = space.placed[host]
     wall = wall_of(under.yaw)
@@ -160,9 +165,14 @@ def standing(role: str, model: CadModel, scale: float, yaw: float, x: float, y: 
 
 
 def at_wall(
-    space: Occupancy, role: str, model: CadModel, scale: float, wall: int, along: float,
+    space: Occupancy,
+    role: str,
+    model: CadModel,
+    scale: float,
+    wall: int,
+    along: float,
     gap_m: float,
-) -> Proposal:  # fmt: skip
+) -> Proposal:
     """On the floor, back to wall 0..3 (+y, +x, -y, -x), ``gap_m`` before it."""
     back = scaled_extent(model, scale, 1)[1]
     out = (float(space.half[1 - wall % 2]) - gap_m - back) * (1.0 if wall < 2 else -1.0)

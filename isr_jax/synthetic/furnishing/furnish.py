@@ -101,6 +101,10 @@ def builtin_room(library: CadLibrary) -> Room:
     A kitchen to live in, the first from `BUILTIN_SEED` on that shows every rule (of those that
     the library holds anything for), so that a library that grows does not spoil it; any room
     that the library can furnish where it cannot furnish that one.
+
+    Raises:
+        SceneError: no room of the library shows all of them.
+        LibraryError: the library has nothing to furnish a room with.
     """
     stock = Stock(library, np.random.default_rng(0))
     if _missing(stock, _BUILTIN_KIND):

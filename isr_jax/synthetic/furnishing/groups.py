@@ -80,9 +80,15 @@ def _slots(
 
 
 def seat_at(
-    space: Occupancy, rng: np.random.Generator, role: str, model: CadModel, scale: float,
-    host: int, side: int, slide_m: float,
-) -> int | None:  # fmt: skip
+    space: Occupancy,
+    rng: np.random.Generator,
+    role: str,
+    model: CadModel,
+    scale: float,
+    host: int,
+    side: int,
+    slide_m: float,
+) -> int | None:
     """A seat that faces a side of a table, as far under it as is drawn and as its parts allow."""
     under = space.placed[host]
     outline = under.scale * under.model.mesh.vertices[:, :2].astype(np.float64)

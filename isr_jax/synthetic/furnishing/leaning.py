@@ -67,10 +67,16 @@ def lean_on_walls(
             center = _against_wall(space, leaned, wall, along, 0.0)
             proposals.append(
                 Proposal(
-                    model, scale, WALL_YAWS[wall], center, ON_FLOOR,
-                    attachment="leaning", lean=leaned.R, role=role,
+                    model,
+                    scale,
+                    WALL_YAWS[wall],
+                    center,
+                    ON_FLOOR,
+                    attachment="leaning",
+                    lean=leaned.R,
+                    role=role,
                 )
-            )  # fmt: skip
+            )
         space.add_first(proposals)
 
 
@@ -84,9 +90,14 @@ def lean_on_tops(space: Occupancy, stock: Stock, rng: np.random.Generator, step:
 
 
 def _lean_on_any(
-    space: Occupancy, rng: np.random.Generator, hosts: list[int], role: str, model: CadModel,
-    scale: float, leaned: _Leaned,
-) -> int | None:  # fmt: skip
+    space: Occupancy,
+    rng: np.random.Generator,
+    hosts: list[int],
+    role: str,
+    model: CadModel,
+    scale: float,
+    leaned: _Leaned,
+) -> int | None:
     for host in rng.permutation(np.asarray(hosts, int)):
         under = space.placed[host]
         for plane in rng.permutation(carrying_planes(under.model)):
@@ -98,11 +109,18 @@ def _lean_on_any(
             ]
             proposals = [
                 Proposal(
-                    model, scale, yaw, center, int(host), int(plane),
-                    attachment="leaning", lean=leaned.R, role=role,
+                    model,
+                    scale,
+                    yaw,
+                    center,
+                    int(host),
+                    int(plane),
+                    attachment="leaning",
+                    lean=leaned.R,
+                    role=role,
                 )
                 for yaw, center in places
-            ]  # fmt: skip
+            ]
             clear = [p for p in proposals if clear_of_carriers(space, p, -_SPARE_M)]
             position = space.add_first(clear)
             if position is not None:
@@ -201,8 +219,9 @@ def _against_sides(
             continue
         y = middle[1] + float(rng.uniform(-1, 1)) * spare
         x = float(rng.uniform(-0.9, 0.9)) * half[0] + middle[0]
-        reach = _side_at(under.model, np.array([x, y]), top.height_m, sign, depth,
-                         leaned.touch_m / under.scale)  # fmt: skip
+        reach = _side_at(
+            under.model, np.array([x, y]), top.height_m, sign, depth, leaned.touch_m / under.scale
+        )
         if reach is None:
             continue
         # The wall of the tilted frame, at +y, is the side: -90 degrees about z for +x.

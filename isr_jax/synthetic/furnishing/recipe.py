@@ -140,10 +140,9 @@ class LeanOnTop:
     count: Count = (1, 1)
 
 
-Step = (
-    Run | Seating | Workplace | Sleeping | Lounge | AtWall | OnWall | FromCeiling | OnFloor
-    | OnTop | Stack | LeanOnWall | LeanOnTop
-)  # fmt: skip
+Group = Run | Seating | Workplace | Sleeping | Lounge
+Single = AtWall | OnWall | FromCeiling | OnFloor | OnTop | Stack | LeanOnWall | LeanOnTop
+Step = Group | Single
 
 
 @dataclasses.dataclass(frozen=True)

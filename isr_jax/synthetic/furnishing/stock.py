@@ -51,7 +51,11 @@ class Stock:
     def draw(
         self, name: str, fits: Callable[[CadModel], bool] = any_model
     ) -> tuple[CadModel, float]:
-        """As `pick`, or any model of what is in stock where none fits."""
+        """As `pick`, or any model of what is in stock where none fits.
+
+        Raises:
+            LibraryError: the library has no model for any of them.
+        """
         return self.pick(name, fits) or self.pick(name) or self._missing(name)
 
     def pick(
@@ -146,7 +150,10 @@ def center_of_mass(model: CadModel) -> np.ndarray:
     """[3] canonical frame, metres, joints closed."""
     poses = link_transforms(model.robot)
     masses = np.array([link.mass_kg for link in model.robot.links])
-    centers = np.array([
-        poses[link.name][:3, :3] @ link.com + poses[link.name][:3, 3] for link in model.robot.links
-    ])  # fmt: skip
+    centers = np.array(
+        [
+            poses[link.name][:3, :3] @ link.com + poses[link.name][:3, 3]
+            for link in model.robot.links
+        ]
+    )
     return masses @ centers / masses.sum()

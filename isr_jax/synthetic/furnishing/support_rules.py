@@ -12,9 +12,17 @@ from .stock import Stock
 from .tops import CELL_M, carrying_planes, top_of
 
 _FACING_FRONT = {
-    "monitor", "television", "microwave", "small oven", "hot plate", "laptop", "keyboard",
-    "mouse", "clock", "basin",
-}  # fmt: skip
+    "monitor",
+    "television",
+    "microwave",
+    "small oven",
+    "hot plate",
+    "laptop",
+    "keyboard",
+    "mouse",
+    "clock",
+    "basin",
+}
 """Roles that face where their carrier faces."""
 _SHELVES = {"bookshelf", "wall shelf"}
 _REACH_M = 1.4
@@ -126,9 +134,11 @@ def _spots(
 
 
 def _wanted(
-    low: np.ndarray, high: np.ndarray, at: tuple[float | None, float | None],
+    low: np.ndarray,
+    high: np.ndarray,
+    at: tuple[float | None, float | None],
     rng: np.random.Generator,
-) -> np.ndarray:  # fmt: skip
+) -> np.ndarray:
     """A point of the rectangle about where the thing is wanted."""
     share = rng.uniform(-1, 1, 2)
     for axis, wanted in enumerate(at):

@@ -36,7 +36,7 @@ def unlit(
     most_before = np.maximum.accumulate(meets, axis=1)
     hidden = np.flatnonzero((least_behind < meets) & (depth_m > 0))
     hiding = np.flatnonzero(most_before > meets)
-    # Image of the projector, two cells a point so that a stretched surface leaves no gaps.
+    # Image of the projector, two cells per point so that a stretched surface leaves no gaps.
     margin = int(np.ceil(focal_baseline / _NEAREST_M)) + 1
     stride = width + margin + 2
     nearest = np.zeros(height * stride, np.float32)

@@ -1,7 +1,7 @@
 """Colour of what a ray meets: a texture under a lamp that throws shadows, and under a dimmer one.
 
 Everything is float32 in one compiled kernel; procedural textures are looked up in tiles made once,
-which takes a tenth of the time that their sines and hashes would take a pixel.
+which takes a tenth of the time that their sines and hashes would take per pixel.
 """
 
 from __future__ import annotations
