@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from isr_jax import geometry
 from isr_jax.geometry.tight_box import tight_box
-from isr_jax.types import Box
+from isr_jax.types import Box, PlaneSet
 
-from .builders import box_mesh, rotation_z
+from .builders import box_mesh, box_planes, rotation_z
 from .reference import geometry_reference as slow
 
 METRES = 2e-5
@@ -236,3 +236,55 @@ def test_points_without_a_footprint_have_a_flat_box(points):
     box = tight_box(np.array(points, float))
     assert np.isfinite(box.center).all() and min(box.size[:2]) == pytest.approx(0, abs=1e-6)
     assert np.hypot(*box.size[:2]) == pytest.approx(np.hypot(*np.ptp(points, axis=0)[:2]), abs=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_nearest_rotation_is_one_and_no_rotation_is_nearer(seed):
+    rng = np.random.default_rng(seed)
+    true = geometry.smallest_rotation(*(v / np.linalg.norm(v) for v in rng.normal(size=(2, 3))))
+    matrix = true + rng.normal(0, 0.01, (3, 3))
+    found = geometry.nearest_rotation(matrix)
+    np.testing.assert_allclose(found @ found.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(found) > 0
+    np.testing.assert_allclose(geometry.nearest_rotation(true), true, atol=1e-12)
+    for angle in rng.normal(0, 0.01, 20):
+        other = found @ rotation_z(angle)
+        assert np.linalg.norm(found - matrix) <= np.linalg.norm(other - matrix)
+
+
+def test_host_and_kernel_agree_on_the_height_of_a_plane():
+    rng = np.random.default_rng(0)
+    normal = rng.normal((0, 0, 1), 0.2, (20, 3))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    offset, xy = rng.normal(size=20), rng.normal(size=(20, 2))
+    height = geometry.plane_heights(normal, offset, xy)
+    on_plane = np.sum(normal * np.column_stack([xy, height]), 1) + offset
+    np.testing.assert_allclose(on_plane, 0, atol=1e-12)
+    kernel = jax.vmap(geometry.plane_height_at)(
+        *(a.astype(np.float32) for a in (normal, offset, xy))
+    )
+    np.testing.assert_allclose(height, kernel, atol=METRES)
+
+
+def test_stacked_planes_are_the_sets_and_finite_padding():
+    sets = [box_planes((1, 1, 1), (0, 0, 0), faces=faces) for faces in ((0, 2, 3), (1,))]
+    stacked = geometry.stack_planes(sets, 2)
+    assert stacked.valid.tolist() == [[True, True, True], [True, False, False]]
+    for row, planes in enumerate(sets):
+        for leaf, whole in zip(jax.tree.leaves(planes), jax.tree.leaves(stacked), strict=True):
+            np.testing.assert_array_equal(whole[row, : len(leaf)], leaf)
+    np.testing.assert_array_equal(stacked.normal[1, 1:], [[0, 0, 1]] * 2)
+    assert not np.any(stacked.corners[1, 1:]) and not np.any(stacked.offset[1, 1:])
+    assert geometry.stack_planes(sets, 8).offset.shape == (2, 8)
+    none: list[PlaneSet] = []
+    assert geometry.stack_planes(none).offset.shape == (0, 1)
+
+
+@pytest.mark.parametrize(
+    ("shift_m", "slack_m", "beside"), [(0.0, 0.0, True), (3.0, 0.0, False), (3.0, 1.0, True)]
+)
+def test_a_box_is_beside_a_wall_along_its_length_only(shift_m, slack_m, beside):
+    wall = np.array([(0, -1, 0), (0, 1, 0), (0, 1, 1), (0, -1, 1)], np.float32)
+    box = np.array([(5.0, y + shift_m, z) for y in (-1.5, 1.5) for z in (7, 9)])
+    normal = np.array([1.0, 0.0, 0.0])
+    assert geometry.beside_wall(box, normal, wall, slack_m) == beside

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import FrameError, SequenceError
+from ..geometry import nearest_rotation
 
 CONVENTIONS = (
     "opencv_camera_to_world",
@@ -105,7 +106,6 @@ def checked_pose(matrix: Float[np.ndarray, "4 4"], source: str) -> Float[np.ndar
             f"last row {matrix[3].tolist()})",
             "write [R t; 0 0 0 1] with a right-handed rotation and metres",
         )
-    u, _, vt = np.linalg.svd(rotation)
     pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = u @ vt, matrix[:3, 3]
+    pose[:3, :3], pose[:3, 3] = nearest_rotation(rotation), matrix[:3, 3]
     return pose

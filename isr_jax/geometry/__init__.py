@@ -20,10 +20,24 @@ from .convex import (
     parts_apart,
     penetration,
 )
-from .planes import plane_height_at, transform_planes
+from .planes import (
+    WALL_COSINE,
+    beside_wall,
+    plane_height_at,
+    plane_heights,
+    stack_planes,
+    transform_planes,
+)
 from .rotations import CUBE_ROTATIONS, rotated_size
 from .support import LEVEL_COSINE, support_heights
-from .transforms import invert_T, make_T, rot_z, smallest_rotation, wrap_angle
+from .transforms import (
+    invert_T,
+    make_T,
+    nearest_rotation,
+    rot_z,
+    smallest_rotation,
+    wrap_angle,
+)
 from .triangles import (
     point_triangle_distance_sq,
     points_to_mesh_distance,
@@ -34,7 +48,9 @@ from .triangles import (
 __all__ = [
     "CUBE_ROTATIONS",
     "LEVEL_COSINE",
+    "WALL_COSINE",
     "ConvexPart",
+    "beside_wall",
     "box_at",
     "box_corners",
     "box_iou",
@@ -48,9 +64,11 @@ __all__ = [
     "invert_T",
     "make_T",
     "moved_part",
+    "nearest_rotation",
     "parts_apart",
     "penetration",
     "plane_height_at",
+    "plane_heights",
     "point_triangle_distance_sq",
     "points_in_box_frame",
     "points_to_mesh_distance",
@@ -60,6 +78,7 @@ __all__ = [
     "rotated_size",
     "smallest_rotation",
     "stack_boxes",
+    "stack_planes",
     "support_heights",
     "transform_planes",
     "wrap_angle",

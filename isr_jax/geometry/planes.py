@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Float
 
-from ..types import Array
+from ..types import Array, PlaneSet
+
+WALL_COSINE = 0.3
+"""A layout plane with a smaller |n . up| is a wall."""
 
 
 def transform_planes(
@@ -30,3 +37,49 @@ def plane_height_at(
     """Height z of an up-facing plane at a horizontal position, metres."""
     safe = jnp.where(jnp.abs(normal[2]) > 1e-6, normal[2], 1.0)
     return -(offset + jnp.dot(normal[:2], xy)) / safe
+
+
+def plane_heights(
+    normal: Float[np.ndarray, "*planes 3"],
+    offset: Float[np.ndarray, "*planes"],
+    xy: Float[np.ndarray, "*planes 2"],
+) -> Float[np.ndarray, "*planes"]:
+    """`plane_height_at` of planes that are not upright, in their own precision (host)."""
+    return np.asarray(-(offset + np.sum(normal[..., :2] * xy, -1)) / normal[..., 2])
+
+
+def stack_planes(sets: Sequence[PlaneSet], width: int = 1) -> PlaneSet:
+    """[sets, planes]: padded to the most planes that any set has, at least ``width`` (host)."""
+    shape = (len(sets), max([width, *(len(planes.offset) for planes in sets)]))
+    stacked = PlaneSet(
+        normal=np.tile(np.array([0, 0, 1], np.float32), (*shape, 1)),
+        offset=np.zeros(shape, np.float32),
+        corners=np.zeros((*shape, 4, 3), np.float32),
+        area_m2=np.zeros(shape, np.float32),
+        valid=np.zeros(shape, bool),
+    )
+    for row, planes in enumerate(sets):
+        for padded, leaf in zip(jax.tree.leaves(stacked), jax.tree.leaves(planes), strict=True):
+            padded[row, : len(leaf)] = leaf
+    return stacked
+
+
+def beside_wall(
+    corners: Float[np.ndarray, "corners 3"],
+    normal: Float[np.ndarray, "3"],
+    extent: Float[np.ndarray, "_ 3"],
+    slack_m: float = 0.0,
+) -> bool:
+    """Whether a box lies beside the length of a wall, its height left aside (host).
+
+    Heights are not compared, since the upper part of a wall is often not seen.
+
+    Args:
+        corners: Of the box, world frame.
+        normal: Of the wall.
+        extent: Corners of the wall's rectangles, world frame.
+        slack_m: Past its ends the wall counts for so much more.
+    """
+    along = np.array([-normal[1], normal[0], 0.0])
+    place, reach = corners @ along, extent @ along
+    return bool(place.min() <= reach.max() + slack_m and reach.min() <= place.max() + slack_m)

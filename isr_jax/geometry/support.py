@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ..types import Box, Entity
+from .planes import plane_heights
 
 LEVEL_COSINE = 0.98
 """Layout whose |n . up| is larger is made exactly level when it is written, at the mean height of
@@ -44,4 +45,5 @@ def _plane_height(carrier: Entity, k: int, xy: Float[np.ndarray, "2"]) -> float:
     normal = np.asarray(carrier.planes.normal[k], np.float64)
     if carrier.is_layout and abs(normal[2]) > LEVEL_COSINE:
         return float(np.asarray(carrier.planes.corners[k], np.float64)[:, 2].mean())
-    return -(float(carrier.planes.offset[k]) + normal[:2] @ xy) / normal[2]
+    offset = np.asarray(carrier.planes.offset[k], np.float64)
+    return float(plane_heights(normal, offset, xy))

@@ -49,3 +49,12 @@ def smallest_rotation(
     x, y, z = axis
     skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + skew + skew @ skew / (1 + cosine)
+
+
+def nearest_rotation(matrix: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
+    """The rotation nearest to a matrix that is almost one: float32 leaves it a little off (host).
+
+    By singular values: U V^T. Of a mirrored matrix it is the nearest reflection.
+    """
+    u, _, vt = np.linalg.svd(matrix)
+    return u @ vt

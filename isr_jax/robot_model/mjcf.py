@@ -11,6 +11,7 @@ import xml.etree.ElementTree as ET
 import mujoco
 import numpy as np
 
+from ..geometry import nearest_rotation
 from ..types import Mesh
 from .mesh_files import MeshFiles
 from .model import Joint, Link, RobotModel, Texture, Visual
@@ -43,9 +44,9 @@ class ContactModel:
 
 def pose_of(T: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Position and quaternion (w x y z) of a transform whose rotation may be a little off."""
-    u, _, vt = np.linalg.svd(np.asarray(T, np.float64)[:3, :3])
+    rotation = nearest_rotation(np.asarray(T, np.float64)[:3, :3])
     quat = np.zeros(4)
-    mujoco.mju_mat2Quat(quat, (u @ vt).ravel())
+    mujoco.mju_mat2Quat(quat, rotation.ravel())
     return np.asarray(T, np.float64)[:3, 3], quat
 
 
