@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import mujoco
 import numpy as np
@@ -16,7 +16,10 @@ from jaxtyping import Float
 from ...errors import SceneError
 from .names import body_name
 
-SceneSource: TypeAlias = str | Path | mujoco.MjSpec | mujoco.MjModel
+if TYPE_CHECKING:  # MuJoCo ships no types: to a type checker its classes are unknown
+    SceneSource: TypeAlias = str | Path | Any
+else:
+    SceneSource = str | Path | mujoco.MjSpec | mujoco.MjModel
 """An MJCF or URDF file, or a scene that is already in memory."""
 
 
