@@ -164,7 +164,7 @@ def walk(frames: int, step_m: float = 0.02):
 
 @pytest.mark.slow
 def test_a_frame_of_a_long_walk_costs_no_more_than_one_of_a_short_walk():
-    """100 m of corridor: the map grows, the time a frame does not."""
+    """100 m of corridor: the map grows, the time per frame does not."""
     mapper, readings = driven(walk(5000), 500)
     start, end = readings[1], readings[-1]
     assert end.blocks > 4 * start.blocks

@@ -89,7 +89,6 @@ def _in(section: str, *names: str) -> tuple[str, ...]:
     return tuple(f"{section}.{name}" for name in names)
 
 
-# fmt: off
 VARIANTS: tuple[Variant, ...] = (
     _preset("default", "all of ours"),
     _preset("paper", "all of the paper's"),
@@ -124,11 +123,14 @@ VARIANTS: tuple[Variant, ...] = (
     _option("optimal association", "mapping.association=optimal", "not the largest count first"),
     _option("2 cm voxels", "mapping.voxel_size_m=0.02", "what resolution is worth"),
 )
-# fmt: on
 
 
 def variant(name: str) -> Variant:
-    """The variant of this name."""
+    """The variant of this name.
+
+    Raises:
+        SettingError: there is none.
+    """
     found = next((v for v in VARIANTS if v.name == name), None)
     if found is None:
         raise SettingError(
@@ -138,7 +140,11 @@ def variant(name: str) -> Variant:
 
 
 def chosen(names: tuple[str, ...]) -> tuple[Variant, ...]:
-    """Variants by name or by group, in the order of the table."""
+    """Variants by name or by group, in the order of the table.
+
+    Raises:
+        SettingError: a name is neither.
+    """
     for name in names:
         if name not in GROUPS:
             variant(name)

@@ -60,7 +60,7 @@ def cast_votes(
 
     Args:
         leading: First label slots of the pool.
-        observations: Of all frames of the step (`voxel_kernel.integrate_frames`).
+        observations: Of all frames of the step (`voxel_kernel.integrate_into_blocks`).
         frame: Which of them votes.
         rows: Rows of the blocks of ``observations``.
         indices: From `labelled_voxels`; ``chunks`` chunks of `CHUNK_VOXELS` are true.

@@ -11,12 +11,13 @@ import dataclasses
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 
 import numpy as np
-from jaxtyping import Int, UInt16
+from jaxtyping import UInt16
 
 from ..errors import MapError
 from ..types import Array, Camera
 from . import ballots, label_slots, voxel_kernel
 from .ballots import CHUNK_VOXELS
+from .chunks import Chunks, chunked
 from .packing import join_frames
 from .pool import BLOCK_VOXELS, OutOfMemory, VoxelPool, grown_pool, with_labels
 from .state import MapState, ReadyFrame
@@ -30,33 +31,6 @@ _STEPS_AHEAD = 2
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class _Chunks:
-    """Rows (or voxels) of several maps, each map's filled up to whole chunks."""
-
-    rows: Int[np.ndarray, " blocks"]
-    """Padding lies out of range, each entry once."""
-    owner: Int[np.ndarray, " chunks"]
-    spans: list[slice]
-    """Where each map's own rows stand."""
-    chunks: Int[np.ndarray, ""]
-
-
-def _chunked(parts: list[np.ndarray], out_of_range: int, chunk: int) -> _Chunks:
-    """Lists of rows, one per map, in a power of two of chunks."""
-    counts = [-(-len(part) // chunk) for part in parts]
-    total = sum(counts)
-    size = 1 << max(total - 1, 0).bit_length()
-    rows = out_of_range + np.arange(size * chunk, dtype=np.int32)
-    owner = np.zeros(size, np.int32)
-    owner[:total] = np.repeat(np.arange(len(parts)), counts)
-    starts = (np.cumsum([0, *counts[:-1]]) * chunk).tolist()
-    spans = [slice(s, s + len(part)) for s, part in zip(starts, parts, strict=True)]
-    for span, part in zip(spans, parts, strict=True):
-        rows[span] = part
-    return _Chunks(rows, owner, spans, np.array(total, np.int32))
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
 class _Step:
     """Frames of a step, and the blocks that they update."""
 
@@ -64,12 +38,12 @@ class _Step:
     frames: list[list[ReadyFrame]]
     first: list[int]
     """Frames that each map had before."""
-    chunks: _Chunks
+    chunks: Chunks
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class _Observed:
-    """What the voxels of a step saw (see `voxel_kernel.integrate_frames`)."""
+    """What the voxels of a step saw (see `voxel_kernel.integrate_into_blocks`)."""
 
     observations: UInt16[Array, "frames blocks 512"]
     flags: UInt16[np.ndarray, "frames blocks"]
@@ -186,7 +160,7 @@ class Integrator:
         count = len(frames[0])
         unions = [_union([frame.rows for frame in of_map]) for of_map in frames]
         parts = [rows + state.first_row for (rows, _), state in zip(unions, states, strict=True)]
-        chunks = _chunked(parts, self._voxels.capacity, self._chunk_blocks)
+        chunks = chunked(parts, self._voxels.capacity, self._chunk_blocks)
         voxels = count * len(chunks.rows) * BLOCK_VOXELS
         if voxels > _MAX_VOXELS:
             raise MapError(
@@ -214,7 +188,7 @@ class Integrator:
         packed = images[0] if len(images) == 1 else join_frames(images)
         if spare is None or spare.shape[:2] != blocks.active.shape:
             spare = voxel_kernel.empty_observations(*blocks.active.shape)
-        self._voxels, observations, flags = voxel_kernel.integrate_frames(
+        self._voxels, observations, flags = voxel_kernel.integrate_into_blocks(
             self._voxels, spare, packed, blocks, local_m, self.camera, self.scale
         )
         return _Observed(observations, np.asarray(flags))
@@ -259,7 +233,7 @@ class Integrator:
         parts = [
             ballots.labelled_voxels(of_frame[s]) + s.start * BLOCK_VOXELS for s in blocks.spans
         ]
-        voxels = _chunked(parts, of_frame.size, CHUNK_VOXELS)
+        voxels = chunked(parts, of_frame.size, CHUNK_VOXELS)
         canonical = [state.labels.canonical for state in step.states]
         labels = np.array([len(known) for known in canonical], np.uint32)[voxels.owner]
         frame, chunks = np.array(k, np.int32), voxels.chunks
@@ -274,7 +248,7 @@ class Integrator:
         return voxels, labelled, votes
 
     def _count(
-        self, voxels: _Chunks, labelled: ballots.LabelledVoxels, label_of: list[np.ndarray]
+        self, voxels: Chunks, labelled: ballots.LabelledVoxels, label_of: list[np.ndarray]
     ) -> None:
         """Voxels that need their first slots alone, then the others."""
         total = sum(len(names) for names in label_of)
@@ -288,7 +262,7 @@ class Integrator:
         self._labels = (leading, *others)
         left = np.asarray(left)
         parts = [np.flatnonzero(left[span]) + span.start for span in voxels.spans]
-        rest = _chunked(parts, len(left), CHUNK_VOXELS)
+        rest = chunked(parts, len(left), CHUNK_VOXELS)
         self._labels = label_slots.count_labels(
             self._labels, labelled, rest.rows, first[rest.owner], table, rest.chunks
         )

@@ -190,7 +190,7 @@ def _integrate_chunk(scratch, fields, images, base, local, active, camera: Camer
 
 
 @functools.partial(jit_wide_vectors, donate_argnames=("pool", "observations"))
-def integrate_frames(
+def integrate_into_blocks(
     pool: VoxelPool,
     observations: UInt16[Array, "frames blocks 512"],
     packed: PackedFrames,

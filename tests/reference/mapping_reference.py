@@ -68,7 +68,7 @@ def look_at(eye, target) -> np.ndarray:
 
 
 def render(solids, T_world_camera, camera: Camera = CAMERA, index=0, noise_m=0.0, seed=0):
-    """A frame and its true segments: one a solid, in order, from 1."""
+    """A frame and its true segments: one per solid, in order, from 1."""
     v, u = np.mgrid[: camera.height, : camera.width]
     rays = np.stack([(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, np.ones_like(u)], -1)
     T = np.asarray(T_world_camera, float)
