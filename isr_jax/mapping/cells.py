@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from ..config import MappingSettings
+from ..runtime.batches import bucket
 from .blocks import BlockIndex
 from .cell_kernels import BATCH, CORNERS, HALO_OF_VOXEL, cell_labels, cell_vertices, find_cells
 from .pool import BLOCK_SIDE, BLOCK_VOXELS, VoxelPool
@@ -70,15 +71,11 @@ def _batches(blocks: BlockIndex, rows: Int[np.ndarray, " blocks"]) -> Iterator[_
         part = rows[start : start + BATCH]
         upper = blocks.rows_at(blocks.coords[part] + CORNERS[:, None])
         found, local = np.unique(upper, return_inverse=True)
-        read = np.full(_bucket(len(found) + 1, _LEAST_READ), -1, np.int32)
+        read = np.full(bucket(len(found) + 1, _LEAST_READ), -1, np.int32)
         read[: len(found)] = found
         padded = np.full((8, BATCH), len(read) - 1, np.int32)
         padded[:, : len(part)] = local.reshape(upper.shape)
         yield _Batch(part, read, padded)
-
-
-def _bucket(count: int, least: int) -> int:
-    return max(least, 1 << max(count - 1, 0).bit_length())
 
 
 def read_cells(
@@ -139,6 +136,6 @@ def read_labels(pool: VoxelPool, blocks: BlockIndex, cells: Cells) -> Int[np.nda
 
 def _anchors(block, voxel) -> Int[np.ndarray, " padded"]:
     """Lowest corners of cells in the halos of a batch, padded to a bucket."""
-    anchor = np.zeros(_bucket(len(block), _LEAST_CELLS), np.int32)
+    anchor = np.zeros(bucket(len(block), _LEAST_CELLS), np.int32)
     anchor[: len(block)] = HALO_OF_VOXEL[voxel] * BATCH + block
     return anchor

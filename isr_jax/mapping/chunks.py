@@ -7,6 +7,8 @@ import dataclasses
 import numpy as np
 from jaxtyping import Int
 
+from ..runtime.batches import bucket
+
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Chunks:
@@ -32,7 +34,7 @@ def chunked(parts: list[np.ndarray], out_of_range: int, chunk: int) -> Chunks:
     """
     counts = [-(-len(part) // chunk) for part in parts]
     total = sum(counts)
-    size = 1 << max(total - 1, 0).bit_length()
+    size = bucket(total)
     rows = out_of_range + np.arange(size * chunk, dtype=np.int32)
     owner = np.zeros(size, np.int32)
     owner[:total] = np.repeat(np.arange(len(parts)), counts)

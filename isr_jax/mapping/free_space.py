@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int, Int8
 
+from ..runtime.batches import bucket
 from ..types import Array
 from .blocks import BlockIndex
 from .pool import BLOCK_SIDE, VoxelPool
@@ -40,7 +41,7 @@ def observed(
     x, y, z = (voxel & 7).T
     rows = blocks.rows_at(block)
     count = len(rows)
-    size = max(64, 1 << max(count - 1, 0).bit_length())
+    size = bucket(count, 64)
     row_and_voxel = np.zeros((2, size), np.int32)
     row_and_voxel[0, :count] = np.where(rows < 0, pool.capacity, rows)
     row_and_voxel[1, :count] = (x * BLOCK_SIDE + y) * BLOCK_SIDE + z

@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import UInt16
 
 from ..errors import MapError
+from ..runtime.batches import bucket
 from ..types import Array, Camera
 from . import ballots, label_slots, voxel_kernel
 from .ballots import CHUNK_VOXELS
@@ -149,7 +150,7 @@ class Integrator:
         """Free the numbers of labels that no voxel bears first."""
         self._renumber(state)
         rows = np.array([state.first_row, state.blocks.used], np.int32)
-        size = 1 << (state.labels.label_count - 1).bit_length()
+        size = bucket(state.labels.label_count)
         leads = np.asarray(label_slots.leading_somewhere(self._labels[0], rows, size))
         new_label = state.labels.forget(leads[: state.labels.label_count])
         if new_label is not None:
@@ -252,7 +253,7 @@ class Integrator:
     ) -> None:
         """Voxels that need their first slots alone, then the others."""
         total = sum(len(names) for names in label_of)
-        table = np.zeros(max(64, 1 << max(total - 1, 0).bit_length()), np.uint32)
+        table = np.zeros(bucket(total, 64), np.uint32)
         table[:total] = np.concatenate(label_of)
         first = np.cumsum([0, *(len(names) for names in label_of[:-1])]).astype(np.int32)
         leading, *others = self._labels

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from jaxtyping import Int
 
+from ..runtime.batches import bucket
 from . import label_slots
 from .blocks import BlockIndex
 from .pool import ROW_MULTIPLE, LabelSlots
@@ -64,7 +65,7 @@ class Renumbering:
             return labels
         generations = sorted(self._to_now)
         tables = _padded_tables([self._to_now[g] for g in generations])
-        size = max(ROW_MULTIPLE, 1 << (len(stale) - 1).bit_length())
+        size = bucket(len(stale), ROW_MULTIPLE)
         padded = len(labels[0]) + np.arange(size, dtype=np.int32)
         padded[: len(stale)] = stale + first_row
         table_of = np.zeros(size, np.int32)
@@ -85,8 +86,8 @@ class Renumbering:
 
 def _padded_tables(tables: list[np.ndarray]) -> np.ndarray:
     """Tables of equal, bucketed sizes, so that few shapes are compiled."""
-    width = max(64, 1 << (max(len(t) for t in tables) - 1).bit_length())
-    padded = np.zeros((1 << (len(tables) - 1).bit_length(), width), np.uint32)
+    width = bucket(max(len(t) for t in tables), 64)
+    padded = np.zeros((bucket(len(tables)), width), np.uint32)
     for row, table in zip(padded, tables):
         row[: len(table)] = table
     return padded

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from ..config import MappingSettings
+from ..runtime.batches import bucket
 from ..types import Camera
 from . import view
 from .blocks import BlockIndex
@@ -130,4 +131,4 @@ class MapState:
 def _room_blocks(voxel_size_m: float) -> int:
     """Blocks of 8^3 voxels that a room needs, as a power of two."""
     blocks = int(_ROOM_M2 / (BLOCK_SIDE * voxel_size_m) ** 2)
-    return min(max(_LEAST_START, 1 << (blocks - 1).bit_length()), _MOST_START)
+    return min(bucket(blocks, _LEAST_START), _MOST_START)

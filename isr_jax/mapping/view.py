@@ -16,6 +16,7 @@ from jax import lax
 from jaxtyping import Float, Int, UInt8, UInt32
 
 from ..errors import FrameError
+from ..runtime.batches import bucket
 from ..types import Array, Camera
 from .packing import DEPTH_STEP_M, SEGMENT_BITS
 from .pool import BLOCK_SIDE
@@ -97,7 +98,7 @@ def visible_blocks(
         window.extent,
         stride=1 << (stride.bit_length() - 1),
         samples=int(np.ceil(4 * scale.truncation_m / block_m)) + 1,
-        size=max(4 * _CHUNK_CELLS, 1 << (window.size - 1).bit_length()),
+        size=bucket(window.size, 4 * _CHUNK_CELLS),
     )
     return np.asarray(flags)[: window.size].reshape(window.extent)
 
