@@ -107,12 +107,12 @@ class Folders:
         position = next(i for i, e in enumerate(self.entities) if e.name == name)
         self.entities[position] = dataclasses.replace(self.entities[position], **changes)
 
-    def relabel(self, keep: np.ndarray, name: str) -> None:
+    def assign_to(self, which: np.ndarray, name: str) -> None:
         """Give vertices of the map to another entity of the result."""
         entity = next(e for e in self.entities if e.name == name)
-        self.instance = np.where(keep, entity.id, self.instance).astype(np.int32)
+        self.instance = np.where(which, entity.id, self.instance).astype(np.int32)
         class_id = class_named(entity.class_name).id
-        self.class_id = np.where(keep, class_id, self.class_id).astype(np.int32)
+        self.class_id = np.where(which, class_id, self.class_id).astype(np.int32)
 
     def drop(self, keep: np.ndarray) -> None:
         """Keep only these vertices of the map, and the faces between them."""

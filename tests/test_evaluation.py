@@ -144,7 +144,7 @@ def test_quality_falls_as_a_segment_is_eaten(folders):
         folders.instance, folders.class_id = (v.copy() for v in original)
         eaten = np.zeros(len(folders.points), bool)
         eaten[order[: int(share * len(order))]] = True
-        folders.relabel(eaten, "chair_1")
+        folders.assign_to(eaten, "chair_1")
         quality = {c.class_name: c for c in folders.report().panoptic.classes}
         scores.append((quality["table"].pq, quality["chair"].pq))
         assert quality["cup"].pq == pytest.approx(1.0)

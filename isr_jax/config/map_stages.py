@@ -16,7 +16,7 @@ OnnxProvider = Literal[
 ]
 """Where ONNX models run."""
 LabelCounts = Literal["triplet", "pairs"]
-"""What label fusion counts."""
+"""What a map label counts."""
 Association = Literal["greedy", "optimal"]
 """How what is seen takes the names of what is known."""
 
@@ -129,11 +129,11 @@ class SegmentationSettings(Checked):
 
 @dataclasses.dataclass(frozen=True)
 class MappingSettings(Checked):
-    """Voxel fusion and label fusion."""
+    """The voxel map and its labels."""
 
     counts: LabelCounts = setting(
         "triplet",
-        "what label fusion counts: label, class and instance together, or in pairs (Voxblox++)",
+        "what a map label counts: label, class and instance together, or in pairs (Voxblox++)",
     )
     voxel_size_m: float = setting(0.01, "side of a voxel", unit="m", low=0.002, high=0.2)
     truncation_voxels: float = setting(
@@ -145,9 +145,11 @@ class MappingSettings(Checked):
     )
     max_blocks: int = setting(262144, "blocks that the capacity may grow to", low=64)
     frames_per_step: int = setting(
-        1, "frames that wait for each other and fuse in one call", low=1, high=16
+        1, "frames that wait for each other and are integrated in one call", low=1, high=16
     )
-    keep_frames: bool = setting(False, "keep frames in memory, to fuse them again at other poses")
+    keep_frames: bool = setting(
+        False, "keep frames in memory, to integrate them again at other poses"
+    )
     label_slots: int = setting(3, "label counts kept per voxel", low=1, high=8)
     label_band_voxels: float = setting(
         3.0,
