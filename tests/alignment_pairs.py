@@ -9,7 +9,13 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from isr_jax.alignment import AlignmentProblem, AlignmentWeights, SurfacePairs, align
+from isr_jax.alignment import (
+    AlignmentProblem,
+    AlignmentSolution,
+    AlignmentWeights,
+    SurfacePairs,
+    align,
+)
 from isr_jax.config import DEFAULT_SUPPORT, AlignmentSettings
 from isr_jax.geometry import CUBE_ROTATIONS
 from isr_jax.types import ROOM, Box, Shortlist
@@ -99,6 +105,22 @@ def cost_and_gradient(problem, weights):
         return jnp.sum(solution.cost), solution
 
     return eqx.filter_value_and_grad(total, has_aux=True)((problem, weights))
+
+
+def one_pose(T, scale) -> AlignmentSolution:
+    """A model that stands somewhere, on the axis of `one_pair`."""
+    row = jax.tree.map(lambda value: jnp.asarray(value)[None], (T, scale))
+    zero = jnp.zeros(1, row[0].dtype)
+    whole = jnp.zeros(1, jnp.int32)
+    return AlignmentSolution(
+        scale=row[1],
+        yaw=zero,
+        translation=row[0][:, :3, 3],
+        T_world_cad=row[0],
+        cost=zero,
+        status=whole,
+        num_steps=whole,
+    )
 
 
 def one_pair(points, triangles) -> SurfacePairs:

@@ -22,7 +22,7 @@ from isr_jax.alignment import (
     surfaces_of,
 )
 from isr_jax.alignment.solve import cost_at
-from isr_jax.config import AlignmentSettings, SupportSettings
+from isr_jax.config import AlignmentSettings, Settings, SupportSettings, with_overrides
 from isr_jax.errors import LibraryError, SettingError
 from isr_jax.geometry import CUBE_ROTATIONS, canonical_box, make_T, rot_z
 from isr_jax.types import ROOM, UNSUPPORTED, AlignmentStatus, Box, Shortlist
@@ -35,6 +35,7 @@ from .alignment_pairs import (
     back_of_a_chair,
     cost_and_gradient,
     one_pair,
+    one_pose,
     pairs_of,
     rows_of,
     table_scene,
@@ -195,8 +196,7 @@ def test_alignment_error_of_an_offset_box_is_the_offset():
     mesh = box_mesh((1, 1, 1), spacing_m=0.25)
     top = mesh.vertices[:25] + np.array([0, 0, 0.1], np.float32)
     pair = one_pair(top, mesh.vertices[mesh.faces])
-    still = np.eye(4, dtype=np.float32)[None]
-    error = alignment_error(still, np.ones(1, np.float32), pair)
+    error = alignment_error(one_pose(np.eye(4, dtype=np.float32), np.float32(1.0)), pair)
     np.testing.assert_allclose(error, [0.1], rtol=1e-5)
 
 
@@ -216,7 +216,7 @@ def test_alignment_error_parity_with_brute_force():
         point_valid=(np.arange(25) < 20)[None],
         triangle_valid=(np.arange(16) < 10)[None],
     )
-    got = alignment_error(T[None], np.array([1.3], np.float32), padded)
+    got = alignment_error(one_pose(T, np.float32(1.3)), padded)
     expected = reference.alignment_error(T, 1.3, points, vertices, faces)
     np.testing.assert_allclose(got, [expected], rtol=1e-5)
 
@@ -231,7 +231,7 @@ def test_ragged_alignment_errors_are_those_of_the_kernel():
     ragged = alignment_errors(T, scale, points, [m.vertices[m.faces] for m in meshes])
     for i in range(2):
         pair = one_pair(points[i], meshes[i].vertices[meshes[i].faces])
-        one = alignment_error(T[i : i + 1], scale[i : i + 1], pair)
+        one = alignment_error(one_pose(T[i], scale[i]), pair)
         np.testing.assert_allclose(ragged[i], one[0], rtol=1e-5)
 
 
@@ -354,7 +354,7 @@ def test_an_empty_shortlist_gives_padding_alone():
         assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(solution))
         assert np.all(solution.cost == 0)
         surfaces = surfaces_of(scenes[0], scenes[2], library)
-        error = alignment_error(solution.T_world_cad, solution.scale, surfaces)
+        error = alignment_error(solution, surfaces)
         assert np.all(error == 0)
 
 
@@ -366,7 +366,7 @@ def test_built_problems_and_surfaces_give_what_shortlists_give():
     solution = align(problem_of(*scene), WEIGHTS)
     surfaces = surfaces_of(scene[0], scene[2], library)
     assert surfaces.points.shape[0] == 2 and surfaces.triangles.shape[0] == 2
-    error = alignment_error(solution.T_world_cad, solution.scale, surfaces)
+    error = alignment_error(solution, surfaces)
     np.testing.assert_array_equal(solution.T_world_cad[:3], found.T_world_cad)
     np.testing.assert_allclose(error[:3], found.alignment_error_m, atol=1e-6)
     assert np.all(error[3:] == 0)
@@ -385,7 +385,7 @@ def test_a_shortlist_of_another_library_is_refused():
 
 def test_an_unknown_normal_residual_is_refused():
     with pytest.raises(SettingError, match="use one of: vector, paper"):
-        AlignmentSettings(normal_residual="papper")
+        with_overrides(Settings(), ["alignment.normal_residual=papper"])
 
 
 def test_the_cost_at_a_solution_is_its_cost():
@@ -403,5 +403,5 @@ def test_numbers_that_only_scale_compile_nothing():
     before = solve._align._cache_size()
     for change in ({"tolerance": 1e-4}, {"scale_min": 0.7}, {"scale_max": 3.0}):
         align(problem, WEIGHTS, dataclasses.replace(SETTINGS, **change))
-    align(problem, dataclasses.replace(WEIGHTS, offset=2 * WEIGHTS.offset))
+    align(problem, dataclasses.replace(WEIGHTS, offset=np.asarray(2 * WEIGHTS.offset)))
     assert solve._align._cache_size() == before > 0

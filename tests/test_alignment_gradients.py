@@ -26,6 +26,7 @@ from .alignment_pairs import (
     WEIGHTS,
     cost_and_gradient,
     one_pair,
+    one_pose,
     pairs_of,
     rows_of,
     table_scene,
@@ -198,7 +199,7 @@ def test_alignment_error_derivative_matches_finite_differences():
 
         def error(step):
             T = make_T(rot_z(0.3 + step), jnp.array([0.1, 0.2, 0.3]) * (1 + step))
-            return alignment_error(T[None], (1.1 + step)[None], pair)[0]
+            return alignment_error(one_pose(T, 1.1 + step), pair)[0]
 
         slope = jax.grad(error)(jnp.asarray(0.0))
         difference = (error(jnp.asarray(1e-6)) - error(jnp.asarray(-1e-6))) / 2e-6
@@ -216,7 +217,7 @@ def test_the_alignment_error_is_differentiated_through_the_alignment():
         @jax.jit
         def error(weights, problem):
             solution = align(problem, weights, EXACT)
-            return alignment_error(solution.T_world_cad, solution.scale, surfaces).sum()
+            return alignment_error(solution, surfaces).sum()
 
         @eqx.filter_jit
         def slopes(weights, problem):

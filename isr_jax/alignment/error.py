@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float, Int
 
 from ..geometry import points_to_triangles_distance_sq
 from ..types import Array
+from .problem import AlignmentSolution
 
 
 class SurfacePairs(eqx.Module):
@@ -31,11 +32,7 @@ class SurfacePairs(eqx.Module):
     """False for padding."""
 
 
-def alignment_error(
-    T_world_cad: Float[Array, "pairs 4 4"],
-    scale: Float[Array, " pairs"],
-    surfaces: SurfacePairs,
-) -> Float[Array, " pairs"]:
+def alignment_error(solution: AlignmentSolution, surfaces: SurfacePairs) -> Float[Array, " pairs"]:
     """RMS distance from an entity's vertices to the nearest points of its aligned model, metres.
 
     AE = sqrt(mean_i min_{q in T y} |v_i - q|^2)  (Sec. V-C, the text after Eq. 11)
@@ -45,11 +42,10 @@ def alignment_error(
     points and triangles; 0, and without derivatives, for padding.
 
     Args:
-        T_world_cad: Poses without scale, as in `AlignmentSolution`.
-        scale: alpha of each pair.
-        surfaces: What is compared (`surfaces_of`).
+        solution: Where the model of each pair stands, and its scale.
+        surfaces: What is compared (`surfaces_of`), on the same axis.
     """
-    return _alignment_error(T_world_cad, scale, surfaces)
+    return _alignment_error(solution.T_world_cad, solution.scale, surfaces)
 
 
 @jax.jit

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
+from ..config import NormalResidual
 from ..geometry import plane_height_at, rot_z, rotated_size, transform_planes
 from ..types import Array
 from .problem import AlignmentProblem, AlignmentWeights
 
-NormalResidual = Literal["vector", "paper"]
-"""n - n', or the paper's 1 - n . n'; the choices of `AlignmentSettings.normal_residual`."""
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _START_MARGIN = 0.9
 """At a bound the sine is flat and LM would stay there, so no start is nearer to one."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from typing import cast
 
 import jax
 import jax.numpy as jnp
@@ -22,7 +21,6 @@ from .problem import (
     unit_problem,
 )
 from .residuals import (
-    NormalResidual,
     Pose,
     ScaleBounds,
     pose_at,
@@ -64,7 +62,7 @@ def align(
         bounds,
         jnp.asarray(settings.tolerance, dtype),
         max_steps=settings.max_steps,
-        normal_residual=cast(NormalResidual, settings.normal_residual),
+        normal_residual=settings.normal_residual,
     )
 
 
@@ -77,8 +75,7 @@ def cost_at(
     settings: AlignmentSettings = DEFAULT_SETTINGS,
 ) -> Float[Array, " pairs"]:
     """J (Eq. 9) of every pair at a given pose, the prior left out."""
-    residual = cast(NormalResidual, settings.normal_residual)
-    return _cost_at(problem, weights, scale, yaw, translation, residual)
+    return _cost_at(problem, weights, scale, yaw, translation, settings.normal_residual)
 
 
 @functools.partial(jax.jit, static_argnames="normal_residual")
