@@ -267,6 +267,7 @@ class Alignments:
     T_world_cad: Float[np.ndarray, "candidates 4 4"]
     """Without scale, the 24-rotation in it: p_world = T diag(scale) p_cad."""
     cost: Float[np.ndarray, " candidates"]
+    """J at the pose, the prior left out."""
     status: Int[np.ndarray, " candidates"]
     """`AlignmentStatus`."""
     alignment_error_m: Float[np.ndarray, " candidates"]
@@ -280,11 +281,18 @@ class AlignmentStatus(enum.IntEnum):
     AT_BOUND = 1
     NOT_CONVERGED = 2
     SINGULAR = 3
+    SLID = 4
+    """Solved, then moved flush with what was seen: no minimum of J, but a smaller AE."""
 
     @property
     def label(self) -> str:
         """As it is written: ``not converged``."""
         return self.name.lower().replace("_", " ")
+
+    @property
+    def usable(self) -> bool:
+        """Whether the pose may be taken."""
+        return self not in (AlignmentStatus.NOT_CONVERGED, AlignmentStatus.SINGULAR)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,14 +2,15 @@
 
 from ..runtime.stage import Stage
 from ..types import Alignments
-from .error import PointSets, Surfaces, alignment_error, alignment_errors
+from .builders import problem_of, surfaces_of
+from .error import SurfacePairs, alignment_error, alignment_errors
 from .problem import AlignmentProblem, AlignmentSolution, AlignmentWeights, default_start
 from .shortlists import align_shortlists
 from .solve import align
 
-VERSION: int = 6
+VERSION: int = 7
 """Changes when the results of this stage do."""
-STAGE = Stage("alignment", VERSION, Alignments, ("alignment",))
+STAGE = Stage("alignment", VERSION, Alignments, ("alignment", "support"))
 
 __all__ = [
     "STAGE",
@@ -17,11 +18,12 @@ __all__ = [
     "AlignmentProblem",
     "AlignmentSolution",
     "AlignmentWeights",
-    "PointSets",
-    "Surfaces",
+    "SurfacePairs",
     "align",
     "align_shortlists",
     "alignment_error",
     "alignment_errors",
     "default_start",
+    "problem_of",
+    "surfaces_of",
 ]

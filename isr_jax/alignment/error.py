@@ -10,83 +10,82 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from ..geometry import points_to_mesh_distance_sq, points_to_triangles_distance_sq
+from ..geometry import points_to_triangles_distance_sq
 from ..types import Array
+from .problem import AlignmentSolution
 
 
-class PointSets(eqx.Module):
-    """Points of entities, world frame, padded."""
+class SurfacePairs(eqx.Module):
+    """Points of entities beside surfaces of CAD models, and which pair is of which; padded."""
 
-    points: Float[Array, "*batch points 3"]
-    valid: Bool[Array, "*batch points"]
+    points: Float[Array, "entities points 3"]
+    """World frame, metres."""
+    point_valid: Bool[Array, "entities points"]
+    triangles: Float[Array, "models faces 3 3"]
+    """Canonical frame, metres."""
+    triangle_valid: Bool[Array, "models faces"]
+    entity: Int[Array, " pairs"]
+    """Row of ``points``."""
+    model: Int[Array, " pairs"]
+    """Row of ``triangles``."""
+    valid: Bool[Array, " pairs"]
+    """False for padding."""
 
 
-class Surfaces(eqx.Module):
-    """Triangle meshes of CAD models, canonical frame, padded. Padded vertices and faces are 0."""
-
-    vertices: Float[Array, "*batch vertices 3"]
-    faces: Int[Array, "*batch faces 3"]
-    face_valid: Bool[Array, "*batch faces"]
-
-
-def alignment_error(
-    T_world_cad: Float[Array, "pairs 4 4"],
-    scale: Float[Array, " pairs"],
-    points: PointSets,
-    surfaces: Surfaces,
-    entity: Int[Array, " pairs"],
-    model: Int[Array, " pairs"],
-) -> Float[Array, " pairs"]:
+def alignment_error(solution: AlignmentSolution, surfaces: SurfacePairs) -> Float[Array, " pairs"]:
     """RMS distance from an entity's vertices to the nearest points of its aligned model, metres.
 
-    AE = sqrt(mean_i min_{q in T y} |v_i - q|^2)  (Sec. V-C, the text after Eq. 9)
+    AE = sqrt(mean_i min_{q in T y} |v_i - q|^2)  (Sec. V-C, the text after Eq. 11)
 
     Exact, one-directional: a model may have parts that the camera never saw. One pair at a time,
-    so that memory stays at one [points, faces] block. Differentiable almost everywhere.
+    so that memory stays at one [points, faces] block. Differentiable almost everywhere, in poses,
+    points and triangles; 0, and without derivatives, for padding.
 
     Args:
-        T_world_cad: Poses without scale.
-        scale: alpha of each pair.
-        points: Point set of each entity.
-        surfaces: Surface of each model.
-        entity: Row of ``points`` of each pair.
-        model: Row of ``surfaces`` of each pair.
+        solution: Where the model of each pair stands, and its scale.
+        surfaces: What is compared (`surfaces_of`), on the same axis.
     """
-    return _alignment_error(T_world_cad, scale, points, surfaces, entity, model)
+    return _alignment_error(solution.T_world_cad, solution.scale, surfaces)
 
 
 @jax.jit
-def _alignment_error(T_world_cad, scale, points, surfaces, entity, model):
+def _alignment_error(T_world_cad, scale, surfaces):
     def one(pair):
-        T, alpha, i, j = pair
-        at = jax.tree.map(lambda leaf: leaf[i], points)
-        surface = jax.tree.map(lambda leaf: leaf[j], surfaces)
-        return surface_rms(T, alpha, at, surface)
+        T, alpha, i, j, live = pair
+        return surface_rms(
+            T,
+            alpha,
+            surfaces.points[i],
+            surfaces.point_valid[i] & live,
+            surfaces.triangles[j],
+            surfaces.triangle_valid[j],
+        )
 
-    return jax.lax.map(one, (T_world_cad, scale, entity, model))
+    pairs = (T_world_cad, scale, surfaces.entity, surfaces.model, surfaces.valid)
+    return jax.lax.map(one, pairs)
 
 
 def surface_rms(
     T_world_cad: Float[Array, "4 4"],
     scale: Float[Array, ""],
-    points: PointSets,
-    surface: Surfaces,
+    points: Float[Array, "points 3"],
+    point_valid: Bool[Array, " points"],
+    triangles: Float[Array, "faces 3 3"],
+    triangle_valid: Bool[Array, " faces"],
 ) -> Float[Array, ""]:
     """AE of one pair, metres. The points go to the model: its triangles then stay as they are."""
-    seen = (points.points - T_world_cad[:3, 3]) @ T_world_cad[:3, :3] / scale
-    square = scale**2 * points_to_mesh_distance_sq(
-        seen, surface.vertices, surface.faces, surface.face_valid
-    )
-    square = jnp.where(points.valid, square, 0.0)
-    mean = jnp.sum(square) / jnp.maximum(jnp.sum(points.valid), 1)
+    seen = (points - T_world_cad[:3, 3]) @ T_world_cad[:3, :3] / scale
+    square = points_to_triangles_distance_sq(seen, triangles, triangle_valid)
+    square = scale**2 * jnp.where(point_valid, square, 0.0)
+    mean = jnp.sum(square) / jnp.maximum(jnp.sum(point_valid), 1)
     # The root has no derivative at 0, which only an exact copy reaches.
     return jnp.where(mean > 0, jnp.sqrt(jnp.where(mean > 0, mean, 1.0)), 0.0)
 
 
 _TILE_POINTS = 512
 _TILE_FACES = 256
-_TILES_A_CALL = 16
-"""Two million point-triangle pairs a call, some milliseconds: far above its overhead."""
+_TILES_PER_CALL = 16
+"""Two million point-triangle pairs per call, some milliseconds: far above its overhead."""
 _BATCH_POINTS = 64
 _FAR_M = 1e4
 """Where padding triangles lie."""
@@ -111,10 +110,10 @@ def alignment_errors(
         for f in range(0, len(triangles[pair]), _TILE_FACES)
     ]
     square = [np.full(len(p), np.inf, np.float32) for p in points]
-    for start in range(0, len(tiles), _TILES_A_CALL):
-        batch = tiles[start : start + _TILES_A_CALL]
-        at = np.zeros((_TILES_A_CALL, _TILE_POINTS, 3), np.float32)
-        on = np.full((_TILES_A_CALL, _TILE_FACES, 3, 3), _FAR_M, np.float32)
+    for start in range(0, len(tiles), _TILES_PER_CALL):
+        batch = tiles[start : start + _TILES_PER_CALL]
+        at = np.zeros((_TILES_PER_CALL, _TILE_POINTS, 3), np.float32)
+        on = np.full((_TILES_PER_CALL, _TILE_FACES, 3, 3), _FAR_M, np.float32)
         for k, (pair, p, f) in enumerate(batch):
             seen = points[pair][p : p + _TILE_POINTS]
             T = T_world_cad[pair]

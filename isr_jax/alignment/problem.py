@@ -12,6 +12,8 @@ from ..config import AlignmentSettings
 from ..geometry import rotated_size
 from ..types import Array, Box
 
+DEFAULT_SETTINGS = AlignmentSettings()
+
 
 class AlignmentWeights(eqx.Module):
     """Weights of the residuals, linear: the cost holds their squares (Sigma in the paper)."""
@@ -62,6 +64,8 @@ class AlignmentProblem(eqx.Module):
     model_offset: Float[Array, "*batch planes"]
     plane_valid: Bool[Array, "*batch planes"]
     """False where x's plane has no partner, and for padding."""
+    plane_supporting: Bool[Array, "*batch planes"]
+    """Both pi_k and f(pi_k) carry: n . g <= a_th (Eq. 1). A turn about z leaves that as it is."""
     rotation: Float[Array, "*batch 3 3"]
     """One of `geometry.CUBE_ROTATIONS`, applied to y first."""
     start: Float[Array, "*batch 4"]
@@ -82,7 +86,7 @@ class AlignmentSolution(eqx.Module):
     T_world_cad: Float[Array, "*batch 4 4"]
     """[Rot(z, yaw) R, p] without the scale, R the rotation of the problem."""
     cost: Float[Array, "*batch"]
-    """J at the solution, the prior left out."""
+    """J at the solution, the prior left out; 0 for padding."""
     status: Int[Array, "*batch"]
     """`AlignmentStatus`."""
     num_steps: Int[Array, "*batch"]
@@ -109,6 +113,7 @@ def unit_problem(like: AlignmentProblem) -> AlignmentProblem:
         model_normal=zeros.model_normal,
         model_offset=zeros.model_offset,
         plane_valid=zeros.plane_valid,
+        plane_supporting=zeros.plane_supporting,
         rotation=jnp.eye(3, dtype=like.rotation.dtype),
         start=jnp.eye(4, dtype=like.start.dtype)[0],
         valid=zeros.valid,

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import equinox as eqx
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
-from ..geometry import rot_z, rotated_size, transform_planes
+from ..config import NormalResidual
+from ..geometry import plane_height_at, rot_z, rotated_size, transform_planes
 from ..types import Array
 from .problem import AlignmentProblem, AlignmentWeights
 
-_UP_COSINE = 0.9
-"""A supporting plane has n . g <= -0.9 (a_th)."""
 _CORNERS = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
 _START_MARGIN = 0.9
 """At a bound the sine is flat and LM would stay there, so no start is nearer to one."""
@@ -45,7 +45,7 @@ class ScaleBounds(eqx.Module):
 
 
 class Pose(eqx.Module):
-    """T = [alpha Rot(z, yaw), p] in the frame of x's box."""
+    """T = [alpha Rot(z, yaw), p] (Eq. 8) in the frame of x's box."""
 
     scale: Float[Array, ""]
     yaw: Float[Array, ""]
@@ -55,7 +55,9 @@ class Pose(eqx.Module):
 def pose_at(x: Float[Array, "4"], problem: AlignmentProblem, bounds: ScaleBounds) -> Pose:
     """The pose of the unknowns (u, yaw, t_x, t_y), standing on its support:
 
-    p^g = -d^s + alpha s_y^g / 2  (below Eq. 6)
+    T = [alpha Rot(z, theta), p; 0, 1],  p^g = -d^s + alpha s_y^g / 2  (Eq. 8 and below it)
+
+    The height is met exactly, so four numbers are left; alpha, free in the paper, is bounded.
     """
     scale = bounds.scale(x[0])
     size_up = rotated_size(problem.rotation, problem.model_size)[2]
@@ -71,7 +73,9 @@ def unknowns_at_start(problem: AlignmentProblem, bounds: ScaleBounds) -> Float[A
 def box_residuals(
     pose: Pose, problem: AlignmentProblem, weights: AlignmentWeights
 ) -> Float[Array, "10"]:
-    """e_b: the moved footprint inside x's, and equal heights (Eq. 8); beyond the paper, true size.
+    """e_b: the moved footprint inside x's, and equal heights (Eq. 10); beyond the paper, size.
+
+    e_b = [A(T y) - A(x, T y), alpha s_y^g - s_x^g]
 
     A(T y) - A(x, T y) has no derivative where it is 0 or where the footprints part, so each
     corner of the moved, turned footprint has a hinge to the sides of x's rectangle instead. A
@@ -97,9 +101,14 @@ def box_residuals(
 
 
 def plane_residuals(
-    pose: Pose, problem: AlignmentProblem, weights: AlignmentWeights, normal_residual: str
+    pose: Pose,
+    problem: AlignmentProblem,
+    weights: AlignmentWeights,
+    normal_residual: NormalResidual,
 ) -> Float[Array, " residuals"]:
-    """e_p: offsets and normals of matched planes (Eq. 9), and heights of supporting ones.
+    """e_p: offsets and normals of matched planes (Eq. 11), and heights of supporting ones.
+
+    Delta pi_i = [d(T^-T f(pi_i)) - d(pi_i), 1 - n(pi_i) . n(T^-T f(pi_i))]
 
     Planes are taken in the frame of x's box, where offsets are small: in the world frame a
     turn changes them by its distance from the origin. The paper's normal residual 1 - n . n'
@@ -116,41 +125,39 @@ def plane_residuals(
         problem.model_offset,
     )
     live = problem.plane_valid
-    supporting = live & (normal[:, 2] >= _UP_COSINE) & (moved_normal[:, 2] >= _UP_COSINE)
+    supporting = live & problem.plane_supporting
     normal_gap = normal - moved_normal
     if normal_residual == "paper":
         normal_gap = 1.0 - jnp.sum(normal * moved_normal, -1, keepdims=True)
+    center = jnp.zeros_like(pose.translation)
+    height_gap = _heights(normal, offset, center, supporting)
+    height_gap -= _heights(moved_normal, moved_offset, pose.translation, supporting)
     parts = [
         jnp.where(live[:, None], weights.normal * normal_gap, 0.0).ravel(),
         jnp.where(live, weights.offset * (offset - moved_offset), 0.0),
-        jnp.where(
-            supporting,
-            weights.support
-            * (
-                _height(normal, offset, 0.0 * pose.translation)
-                - _height(moved_normal, moved_offset, pose.translation)
-            ),
-            0.0,
-        ),
+        jnp.where(supporting, weights.support * height_gap, 0.0),
     ]
     return jnp.concatenate(parts)
 
 
-def _height(normal, offset, at):
-    """Height of up-facing planes above ``at``'s horizontal position."""
-    steep = jnp.where(jnp.abs(normal[:, 2]) > 0.5, normal[:, 2], 1.0)
-    return -(offset + normal[:, :2] @ at[:2]) / steep
+def _heights(
+    normal: Float[Array, "planes 3"],
+    offset: Float[Array, " planes"],
+    at: Float[Array, "3"],
+    supporting: Bool[Array, " planes"],
+) -> Float[Array, " planes"]:
+    """Heights of the supporting planes at ``at``'s horizontal position; finite for the others."""
+    up = jnp.where(supporting[:, None], normal, jnp.array([0.0, 0.0, 1.0], normal.dtype))
+    return jax.vmap(plane_height_at, (0, 0, None))(up, offset, at[:2])
 
 
 def residuals(
-    x: Float[Array, "4"],
+    pose: Pose,
     problem: AlignmentProblem,
     weights: AlignmentWeights,
-    bounds: ScaleBounds,
-    normal_residual: str,
+    normal_residual: NormalResidual,
 ) -> Float[Array, " residuals"]:
-    """sqrt(Sigma) e of J = e_b^T Sigma_b e_b + e_p^T Sigma_p e_p (Eq. 7)."""
-    pose = pose_at(x, problem, bounds)
+    """sqrt(Sigma) e, whose squares sum to J = e_b^T Sigma_b e_b + e_p^T Sigma_p e_p (Eq. 9)."""
     return jnp.concatenate(
         [
             box_residuals(pose, problem, weights),

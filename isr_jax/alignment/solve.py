@@ -8,12 +8,26 @@ import jax
 import jax.numpy as jnp
 import lineax as lx
 import optimistix as optx
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
+from ..config import AlignmentSettings
 from ..geometry import make_T, rot_z, wrap_angle
 from ..types import AlignmentStatus, Array
-from .problem import AlignmentProblem, AlignmentSolution, AlignmentWeights, unit_problem
-from .residuals import Pose, ScaleBounds, pose_at, prior_residuals, residuals, unknowns_at_start
+from .problem import (
+    DEFAULT_SETTINGS,
+    AlignmentProblem,
+    AlignmentSolution,
+    AlignmentWeights,
+    unit_problem,
+)
+from .residuals import (
+    Pose,
+    ScaleBounds,
+    pose_at,
+    prior_residuals,
+    residuals,
+    unknowns_at_start,
+)
 
 _AT_BOUND_COSINE = 0.1
 """|cos u| below this is at a bound: within 0.5 % of the log range."""
@@ -24,38 +38,57 @@ _RANK_TOLERANCE = 1e-5
 def align(
     problem: AlignmentProblem,
     weights: AlignmentWeights,
-    *,
-    scale_bounds: tuple[float, float] = (0.5, 2.0),
-    max_steps: int = 64,
-    tolerance: float = 1e-5,
-    normal_residual: str = "vector",
+    settings: AlignmentSettings = DEFAULT_SETTINGS,
 ) -> AlignmentSolution:
-    """Move every candidate onto its entity (Sec. V-C):
+    """Move every candidate onto its entity (Eq. 8):
 
     min_T J(x, T y),  T = [alpha Rot(z, theta), p],  p^g = -d^s + alpha s_y^g / 2
 
     Solutions have implicit derivatives (forward and reverse) in boxes, planes, sizes, weights
-    and the start, at the cost of one 4x4 solve a pair. A pair that cannot be solved says so in
+    and the start, at the cost of one 4x4 solve per pair. A pair that cannot be solved says so in
     its status and has zero derivatives; it does not disturb the others.
 
     Args:
-        problem: Pairs on one flat axis; entities and scenes may repeat along it.
-        weights: Scalars.
-        scale_bounds: Of alpha.
-        max_steps: LM steps at most; the batch runs until its slowest pair ends.
-        tolerance: Relative and absolute, of the unknowns and the cost.
-        normal_residual: ``vector``, or ``paper`` (slow, see `plane_residuals`).
+        problem: Pairs on one flat axis (`problem_of`); entities and scenes may repeat along it.
+        weights: Scalars; `AlignmentWeights.of` takes them from settings.
+        settings: Bounds of alpha, tolerance, normal residual and steps; of these only the last
+            two compile anew when they change. The weights in them are not read.
     """
     dtype = problem.model_size.dtype
-    bounds = ScaleBounds(*(jnp.asarray(b, dtype) for b in scale_bounds))
+    bounds = ScaleBounds(*(jnp.asarray(b, dtype) for b in (settings.scale_min, settings.scale_max)))
     return _align(
         problem,
         weights,
         bounds,
-        jnp.asarray(tolerance, dtype),
-        max_steps=max_steps,
-        normal_residual=normal_residual,
+        jnp.asarray(settings.tolerance, dtype),
+        max_steps=settings.max_steps,
+        normal_residual=settings.normal_residual,
     )
+
+
+def cost_at(
+    problem: AlignmentProblem,
+    weights: AlignmentWeights,
+    scale: Float[Array, " pairs"],
+    yaw: Float[Array, " pairs"],
+    translation: Float[Array, "pairs 3"],
+    settings: AlignmentSettings = DEFAULT_SETTINGS,
+) -> Float[Array, " pairs"]:
+    """J (Eq. 9) of every pair at a given pose, the prior left out."""
+    return _cost_at(problem, weights, scale, yaw, translation, settings.normal_residual)
+
+
+@functools.partial(jax.jit, static_argnames="normal_residual")
+def _cost_at(problem, weights, scale, yaw, translation, normal_residual):
+    def one(problem, scale, yaw, translation):
+        pose = _in_box(problem, scale, yaw, translation)
+        return _cost(pose, problem, weights, normal_residual)
+
+    return jax.vmap(one)(problem, scale, yaw, translation)
+
+
+def _cost(pose, problem, weights, normal_residual):
+    return jnp.sum(residuals(pose, problem, weights, normal_residual) ** 2)
 
 
 @functools.partial(jax.jit, static_argnames=("max_steps", "normal_residual"))
@@ -71,8 +104,8 @@ def _align_one(problem, weights, bounds, tolerance, *, max_steps, normal_residua
 
     def all_residuals(x, args):
         problem, weights, bounds = args
-        paper = residuals(x, problem, weights, bounds, normal_residual)
-        return jnp.concatenate([paper, prior_residuals(x, problem, weights, bounds)])
+        ours = residuals(pose_at(x, problem, bounds), problem, weights, normal_residual)
+        return jnp.concatenate([ours, prior_residuals(x, problem, weights, bounds)])
 
     args = (problem, weights, bounds)
     solution = optx.least_squares(
@@ -86,7 +119,8 @@ def _align_one(problem, weights, bounds, tolerance, *, max_steps, normal_residua
         adjoint=optx.ImplicitAdjoint(linear_solver=lx.AutoLinearSolver(well_posed=False)),
         throw=False,
     )
-    found = solution.value
+    # Of lanes without a problem not even the rounding depends on the weights.
+    found = jnp.where(live, solution.value, unknowns_at_start(problem, bounds))
     jacobian = jax.jacfwd(all_residuals)(jax.lax.stop_gradient(found), args)
     status = _status(
         ~refused,
@@ -94,9 +128,10 @@ def _align_one(problem, weights, bounds, tolerance, *, max_steps, normal_residua
         jax.lax.stop_gradient(jacobian),
         solution.result == optx.RESULTS.successful,
     )
-    cost = jnp.sum(residuals(found, problem, weights, bounds, normal_residual) ** 2)
+    pose = pose_at(found, problem, bounds)
+    cost = jnp.where(live, _cost(pose, problem, weights, normal_residual), 0.0)
     steps = jnp.asarray(solution.stats["num_steps"], jnp.int32)
-    return _in_world(pose_at(found, problem, bounds), problem, cost, status, steps)
+    return _in_world(pose, problem, cost, status, steps)
 
 
 def _solvable(problem: AlignmentProblem) -> Bool[Array, ""]:
@@ -114,6 +149,12 @@ def _status(solvable, found, jacobian, converged):
     # The sine is flat at a bound, which makes the Jacobian (not the Hessian) singular there.
     status = jnp.where(converged & at_bound, AlignmentStatus.AT_BOUND, status)
     return jnp.where(regular | (at_bound & solvable), status, AlignmentStatus.SINGULAR)
+
+
+def _in_box(problem: AlignmentProblem, scale, yaw, translation) -> Pose:
+    """A pose in the world, seen from the frame of x's box."""
+    shift = rot_z(problem.box.yaw).T @ (translation - problem.box.center)
+    return Pose(scale, yaw - problem.box.yaw, shift)
 
 
 def _in_world(pose: Pose, problem: AlignmentProblem, cost, status, steps) -> AlignmentSolution:

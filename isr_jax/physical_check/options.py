@@ -15,8 +15,6 @@ from .contact import contact_ratios
 from .layout import LayoutPlane, cleared_of_layout, layout_planes
 from .solids import Solid, model_parts, solid_of
 
-_USABLE = (AlignmentStatus.CONVERGED, AlignmentStatus.AT_BOUND)
-
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Option:
@@ -92,7 +90,7 @@ class _Judge:
         """The option of a row before its children are looked at, or why there is none."""
         found, settings = self.alignments, self.settings
         status, error = AlignmentStatus(int(found.status[row])), float(found.alignment_error_m[row])
-        if status not in _USABLE:
+        if not status.usable:
             return None, f"alignment: {status.label}"
         if not error <= settings.max_alignment_error_m:
             return None, f"AE {error:.3f} m over {settings.max_alignment_error_m:.3f} m"

@@ -38,14 +38,14 @@ def residual_parts(pose, pair, weights, normal_residual="vector"):
         gap = n - m if normal_residual == "vector" else [1 - n @ m]
         out.extend(weights["normal"] * np.asarray(gap))
         out.append(weights["offset"] * (d - e))
-        if n[2] >= 0.9 and m[2] >= 0.9:
+        if pair["plane_supporting"][k]:
             above_center = -d / n[2]
             moved = -(e + m[:2] @ (center - box[0])[:2]) / m[2]
             out.append(weights["support"] * (above_center - moved))
     return np.array(out)
 
 
-def solve(pair, weights, bounds=(0.5, 2.0), normal_residual="vector"):
+def solve(pair, weights, bounds, normal_residual="vector"):
     """The best (scale, world yaw, world x, world y) and its J, by scipy's bounded solver."""
     start = np.array([pair["start_scale"], pair["box_yaw"], *pair["box_center"][:2]])
     low = np.array([bounds[0], -np.inf, -np.inf, -np.inf])
