@@ -23,6 +23,7 @@ from .library import CadLibrary
 from .types import (
     ROOM,
     UNSUPPORTED,
+    Attachment,
     Box,
     Candidate,
     ContactGraph,
@@ -74,7 +75,7 @@ class EntityRecord:
     planes: tuple[PlaneRecord, ...]
     parent: str | None
     """Name of the supporting parent, `ROOM_NAME`, or None."""
-    attachment: str
+    attachment: Attachment
     support_plane: int | None
     mesh: str | None
     """Relative to the folder of the scene file."""

@@ -11,7 +11,7 @@ import dataclasses
 import enum
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Protocol, SupportsIndex, runtime_checkable
+from typing import Literal, Protocol, SupportsIndex, runtime_checkable
 
 import equinox as eqx
 import jax
@@ -24,6 +24,8 @@ ROOM = -1
 """Parent of layout entities: the root of the contact graph."""
 UNSUPPORTED = -2
 """Parent of an entity that nothing carries (`parent: null` in scene.json)."""
+Attachment = Literal["none", "wall", "hanging", "leaning"]
+"""How an entity stays up that nothing carries; ``none`` also for what is carried."""
 
 
 class Box(eqx.Module):
@@ -225,8 +227,7 @@ class ContactGraph:
     """Plane of the parent that carries the entity; -1 where there is none, or none was seen."""
     score: Float[np.ndarray, " entities"]
     """S of the chosen parent; 0 where there is none."""
-    attachment: tuple[str, ...]
-    """``none``, ``wall``, ``hanging`` or ``leaning``."""
+    attachment: tuple[Attachment, ...]
     refined_box: Box
     """[entities]: bottoms moved onto their supporting planes (the boxes of mAP_re)."""
     support_height_m: Float[np.ndarray, " entities"]

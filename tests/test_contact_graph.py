@@ -13,7 +13,7 @@ from isr_jax.classes import class_named
 from isr_jax.config import DEFAULT_SUPPORT, ContactGraphSettings, preset
 from isr_jax.contact_graph import build_contact_graphs, to_networkx
 from isr_jax.contact_graph.proximal import _depths
-from isr_jax.contact_graph.triples import _polygons, _scores, _vertices
+from isr_jax.contact_graph.scoring import _polygons, _scores, _vertices
 from isr_jax.types import ROOM, UNSUPPORTED, Entities, Entity
 
 from .builders import box_entity, box_mesh, box_planes, floor_entity, scene_of
@@ -183,7 +183,7 @@ def tilted(entity: Entity, slope: float) -> Entity:
     middle = corners[0].mean(0)
     corners[0, :, 2] += slope * (corners[0, :, 0] - middle[0])
     normal, offset = np.array(planes.normal), np.array(planes.offset)
-    normal[0] = np.array([-slope, 0, 1], np.float32) / np.sqrt(1 + slope**2)
+    normal[0] = np.sign(normal[0, 2]) * np.array([-slope, 0, 1]) / np.sqrt(1 + slope**2)
     offset[0] = -normal[0] @ middle
     turned = dataclasses.replace(planes, normal=normal, offset=offset, corners=corners)
     vertices = np.array(entity.mesh.vertices)
@@ -301,6 +301,15 @@ def test_a_lamp_hangs_from_the_ceiling_and_a_far_one_from_nothing():
     far = thing(3, "lamp", (-1.0, 0, 1.5), (0.2, 0.2, 0.3))
     graph = only(scene_of(floor_entity(1), near, far, ceiling_entity()))
     assert graph.attachment == ("none", "hanging", "none", "none")
+
+
+def test_what_counts_as_a_ceiling_follows_a_th():
+    lamp = thing(2, "lamp", (0, 0, 2.3), (0.2, 0.2, 0.3))
+    scene = scene_of(floor_entity(1), lamp, tilted(ceiling_entity(), 0.15))  # n . up = -0.989
+    for up_cosine, attached in ((0.9, "hanging"), (0.995, "none")):
+        support = dataclasses.replace(DEFAULT_SUPPORT, up_cosine=up_cosine)
+        graph = build_contact_graphs([scene], DEFAULT, support)[0]
+        assert graph.attachment[1] == attached
 
 
 def test_a_board_on_the_edge_of_a_table_leans_against_the_wall():

@@ -2,8 +2,8 @@
 
 Follows section III of the paper. For child c, entity i and its plane k, with h(.) the height:
 
-    D = bottom(c) - h(plane k)        A = overlap(c, i, k) / area(bottom of c)
-    S = (1 - min(1, |D|)) * A
+    D = bottom(c) - h(plane k)  (Eq. 1)        A = overlap(c, i, k) / area(bottom of c)  (Eq. 2)
+    S = (1 - min(1, |D|)) * A   (Eq. 3)
 
 All (c, i, k) of all scenes are scored at once on a flat axis; the best admissible parent wins.
 """

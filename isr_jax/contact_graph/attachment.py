@@ -2,62 +2,68 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
+from jaxtyping import Float, Int
 
 from ..config import ContactGraphSettings
-from ..types import UNSUPPORTED
+from ..geometry import WALL_COSINE, beside_wall
+from ..types import UNSUPPORTED, Array, Attachment
 from .flat import FlatEntities
+from .proximal import ClosePairs
 from .support import Support
 from .triples import Triples
-
-_WALL_TILT = 0.3
-"""A layout plane with a smaller |n . up| is a wall."""
 
 
 def attachments(
     flat: FlatEntities,
     triples: Triples,
     support: Support,
-    parent: np.ndarray,
-    close: tuple[np.ndarray, np.ndarray],
+    parent: Int[np.ndarray, " entities"],
+    close: ClosePairs,
     settings: ContactGraphSettings,
-) -> list[str]:
-    """``none``, ``wall``, ``hanging`` or ``leaning`` for each entity; ``none`` where carried.
+    up_cosine: float,
+) -> list[Attachment]:
+    """How each entity is held; ``none`` where it is carried.
 
     - ``leaning``: it stands on something with less than the contact that would carry it (its
       bottom within the attach distance of a plane, A above 0), and a wall or the side of another
       thing is within that distance. Not for classes that hang on walls.
     - ``wall``: a wall is within the attach distance of its box, beside the wall's extent. Classes
       that hang on walls may be farther: often only their fronts were seen.
-    - ``hanging``: the ceiling is within that distance of its top.
+    - ``hanging``: the ceiling is within that distance of its top. A ceiling faces down as a
+      supporting plane faces up: n . up is at most -``up_cosine``.
     """
     distance = settings.attach_distance_m
     hangs_by_class = np.isin(flat.mount, ("wall", "opening"))
-    result = ["none"] * len(parent)
+    result: list[Attachment] = ["none"] * len(parent)
     for row in np.flatnonzero(parent == UNSUPPORTED).tolist():
         reach = settings.attach_distance_mounted_m if hangs_by_class[row] else distance
         wall = _touches_wall(flat, row, reach)
         foot = _footholds(triples, support, row, distance)
-        beside = wall or _beside(row, foot, close, distance)
+        beside = wall or bool(np.any(~np.isin(close.of(row, distance), foot)))
         if len(foot) and beside and not hangs_by_class[row]:
             result[row] = "leaning"
         elif wall:
             result[row] = "wall"
-        elif _touches_ceiling(flat, row, distance):
+        elif _touches_ceiling(flat, row, distance, up_cosine):
             result[row] = "hanging"
     return result
 
 
-def _layout_planes(flat: FlatEntities, row: int):
+def _layout_planes(
+    flat: FlatEntities, row: int
+) -> Iterator[tuple[Float[Array, "3"], Float[Array, ""], Float[Array, "4 3"]]]:
     """(n, d, corners) of the layout of the scene that holds ``row``."""
+    planes = flat.planes
     for other in flat.slice(int(flat.scene[row])):
         if flat.is_layout[other]:
-            for k in np.flatnonzero(flat.planes.valid[other]):
-                planes = flat.planes
+            for k in np.flatnonzero(planes.valid[other]):
                 yield planes.normal[other, k], planes.offset[other, k], planes.corners[other, k]
 
 
-def _corners(flat: FlatEntities, row: int) -> np.ndarray:
+def _corners(flat: FlatEntities, row: int) -> Float[np.ndarray, "8 3"]:
     """Eight corners of the entity's box, world frame."""
     box = flat.box
     c, s = np.cos(box.yaw[row]), np.sin(box.yaw[row])
@@ -66,44 +72,29 @@ def _corners(flat: FlatEntities, row: int) -> np.ndarray:
     return (signs * box.size[row]) @ turn.T + box.center[row]
 
 
-def _touches_wall(flat: FlatEntities, row: int, distance: float) -> bool:
-    """A wall's plane passes within ``distance`` of the box, along the wall's own length.
-
-    Heights are not compared: the upper part of a wall is often not seen.
-    """
+def _touches_wall(flat: FlatEntities, row: int, distance_m: float) -> bool:
+    """A wall's plane passes within ``distance_m`` of the box, along the wall's own length."""
     corners = _corners(flat, row)
     for normal, offset, extent in _layout_planes(flat, row):
-        if abs(normal[2]) >= _WALL_TILT:
+        if abs(normal[2]) >= WALL_COSINE:
             continue
         away = corners @ normal + offset
-        along = np.array([-normal[1], normal[0], 0.0])
-        place, reach = corners @ along, extent @ along
-        beside = place.min() <= reach.max() + distance and reach.min() <= place.max() + distance
-        if beside and away.min() <= distance and away.max() >= -distance:
+        near = away.min() <= distance_m and away.max() >= -distance_m
+        if near and beside_wall(corners, normal, extent, distance_m):
             return True
     return False
 
 
-def _touches_ceiling(flat: FlatEntities, row: int, distance: float) -> bool:
-    """A down-facing layout plane lies within ``distance`` of the top of the box, or below it."""
+def _touches_ceiling(flat: FlatEntities, row: int, distance_m: float, up_cosine: float) -> bool:
+    """A ceiling lies within ``distance_m`` of the top of the box, or below it."""
     corners = _corners(flat, row)
     for normal, offset, _ in _layout_planes(flat, row):
-        if normal[2] <= -0.9 and (corners @ normal + offset).min() <= distance:
+        if normal[2] <= -up_cosine and (corners @ normal + offset).min() <= distance_m:
             return True
     return False
 
 
-def _footholds(triples: Triples, support: Support, row: int, distance: float) -> np.ndarray:
+def _footholds(triples: Triples, support: Support, row: int, distance_m: float) -> np.ndarray:
     """What has a plane at the height of the bottom, below some part of it."""
-    near = (triples.child == row) & (support.contact > 0) & (np.abs(support.gap_m) <= distance)
+    near = (triples.child == row) & (support.contact > 0) & (np.abs(support.gap_m) <= distance_m)
     return np.unique(triples.parent[near])
-
-
-def _beside(
-    row: int, foot: np.ndarray, close: tuple[np.ndarray, np.ndarray], distance: float
-) -> bool:
-    """Whether another thing than those below is within ``distance`` of the box."""
-    pairs, depth = close
-    ours = (depth >= -distance) & np.any(pairs == row, axis=-1)
-    others = pairs[ours].sum(-1) - row
-    return bool(np.any(~np.isin(others, foot)))

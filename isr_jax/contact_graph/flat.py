@@ -1,16 +1,15 @@
-"""All entities of all scenes on one flat axis, and fixed-size blocks for kernels (host)."""
+"""All entities of all scenes on one flat axis (host)."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-import jax
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from ..classes import class_named
-from ..geometry import stack_boxes
+from ..geometry import stack_boxes, stack_planes
 from ..types import Box, Entities, Entity, PlaneSet
 
 
@@ -55,44 +54,8 @@ def flatten(scenes: Sequence[Entities]) -> FlatEntities:
         voxel_m=np.repeat(np.array([s.voxel_size_m for s in scenes], np.float32), counts),
         box=box,
         bottom=bottom,
-        planes=_stack_planes([entity.planes for entity in items]),
+        planes=stack_planes([entity.planes for entity in items]),
         is_layout=np.array([entity.is_layout for entity in items], bool),
         mount=np.array([class_named(entity.class_name).mount for entity in items], "U8"),
         rank=rank,
     )
-
-
-def _stack_planes(sets: Sequence[PlaneSet]) -> PlaneSet:
-    most = max((len(s.offset) for s in sets), default=0)
-    shape = (len(sets), max(most, 1))
-    normal = np.zeros((*shape, 3), np.float32)
-    normal[..., 2] = 1.0
-    offset, area = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
-    corners, valid = np.zeros((*shape, 4, 3), np.float32), np.zeros(shape, bool)
-    for row, planes in enumerate(sets):
-        count = len(planes.offset)
-        normal[row, :count], offset[row, :count] = planes.normal, planes.offset
-        corners[row, :count], area[row, :count] = planes.corners, planes.area_m2
-        valid[row, :count] = planes.valid
-    return PlaneSet(normal, offset, corners, area, valid)
-
-
-def take(tree, rows: np.ndarray | slice):
-    """The same rows of every array of a tree."""
-    return jax.tree.map(lambda leaf: np.asarray(leaf)[rows], tree)
-
-
-def in_blocks(kernel: Callable, arguments_of: Callable, count: int, block: int):
-    """Run a batched ``kernel`` over ``count`` rows, exactly ``block`` at a time; join the results.
-
-    ``arguments_of(rows)`` gives the kernel's arguments. The last block repeats its first row, so
-    that every call has the same shape and a second scene compiles nothing new.
-    """
-    parts = []
-    for first in range(0, count, block):
-        rows = np.arange(first, first + block)
-        rows[rows >= count] = first
-        result = kernel(*arguments_of(rows))
-        keep = min(block, count - first)
-        parts.append(jax.tree.map(lambda leaf, k=keep: np.asarray(leaf)[:k], result))
-    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)

@@ -22,11 +22,11 @@ class Support(eqx.Module):
     """Terms of the support score of a (child, entity, plane) triple."""
 
     gap_m: Float[Array, "*batch"]
-    """D: height of the child's bottom above the plane, at the child's centre."""
+    """D (Eq. 1): height of the child's bottom above the plane, at the child's centre."""
     contact: Float[Array, "*batch"]
-    """A: contact area over the area of the child's bottom, in [0, 1]."""
+    """A (Eq. 2): contact area over the area of the child's bottom, in [0, 1]."""
     score: Float[Array, "*batch"]
-    """S, in [0, 1]."""
+    """S (Eq. 3), in [0, 1]."""
 
 
 def vertex_contact(
@@ -38,7 +38,7 @@ def vertex_contact(
     near_m: Float[Array, ""],
     rim_m: Float[Array, ""],
 ) -> Float[Array, ""]:
-    """A of Eq. 2: the rectangle of the carrier's vertices below the child, over its bottom.
+    """A (Eq. 2): the rectangle of the carrier's vertices below the child, over its bottom.
 
     The paper takes the vertices inside the child's box. There are none when the child hovers
     over the plane, and under a solid child the carrier was never seen: hence all vertices within
@@ -68,10 +68,15 @@ def vertex_contact(
 def polygon_contact(
     child: Box, corners: Float[Array, "4 3"], margin_m: Float[Array, ""]
 ) -> Float[Array, ""]:
-    """A of Eq. 2 for layout: the whole rectangle of the plane counts, not what was seen of it.
+    """A (Eq. 2) of layout: the whole rectangle of the plane counts, not what was seen of it.
 
     Floor is rarely seen under furniture, nor between furniture and wall, so the rectangle is
     grown by ``margin_m`` on every side. A departure from the paper.
+
+    Args:
+        child: World frame, metres.
+        corners: Of the plane's rectangle, world frame, metres.
+        margin_m: 0 for the rectangle itself.
     """
     along = jnp.stack([corners[1] - corners[0], corners[3] - corners[0]])
     length = jnp.maximum(jnp.linalg.norm(along, axis=-1, keepdims=True), 1e-6)
@@ -90,7 +95,7 @@ def support_score(
 ) -> Support:
     """Score how well a plane carries ``child``; 1 is perfect, 0 is none.
 
-    S = (1 - min(1, |D|)) * A  (the equation after Eq. 2), D = bottom(c) - h(plane k)  (Eq. 1)
+    S = (1 - min(1, |D|)) * A  (Eq. 3),   D = bottom(c) - h(plane k)  (Eq. 1)
 
     D is taken at the child's centre, since an observed plane may tilt a little.
 

@@ -1,25 +1,21 @@
-"""All (child, entity, plane) triples that can carry at all, and their scores (host + kernels)."""
+"""All (child, entity, plane) triples in which the plane may carry the child (host)."""
 
 from __future__ import annotations
 
 import dataclasses
 
-import jax
 import numpy as np
 from jaxtyping import Float, Int
 
 from ..config import ContactGraphSettings
-from .flat import FlatEntities, in_blocks, take
-from .support import Support, polygon_contact, support_score, vertex_contact
-from .surface_points import points_near_plane
+from ..geometry import plane_heights
+from ..types import Box
+from .flat import FlatEntities
 
-_BLOCK = 64
-"""Triples a call."""
-_LEAST_POINTS = 256
-_CULL_SLACK = 1.01
+CULL_SLACK = 1.01
 """Culling on the host keeps a little more than the kernel counts, whatever the rounding."""
 _GAP_SLACK_M = 1e-3
-_DIAGONAL = 2**0.5
+DIAGONAL = 2**0.5
 """A margin along a box's own axes reaches at most so much farther along the world's."""
 
 
@@ -33,6 +29,10 @@ class Triples:
 
     def __len__(self) -> int:
         return len(self.child)
+
+    def __getitem__(self, which: np.ndarray) -> Triples:
+        """Some of the triples, by mask or rows."""
+        return Triples(self.child[which], self.parent[which], self.plane[which])
 
 
 def candidate_triples(
@@ -69,8 +69,7 @@ def _gaps(
 ) -> Float[np.ndarray, " triples"]:
     """D of every triple, for culling."""
     normal, offset = flat.planes.normal[parent, plane], flat.planes.offset[parent, plane]
-    over = np.sum(normal[:, :2] * flat.box.center[child, :2], -1)
-    return flat.bottom[child] + (offset + over) / normal[:, 2]
+    return flat.bottom[child] - plane_heights(normal, offset, flat.box.center[child, :2])
 
 
 def _reach(
@@ -80,121 +79,18 @@ def _reach(
     low = np.zeros((len(flat.items), 2), np.float32)
     high = np.zeros_like(low)
     for row, entity in enumerate(flat.items):
-        points = [entity.mesh.vertices[:, :2], _footprint(entity.box)]
-        margin = settings.rim_voxels * flat.voxel_m[row] * _CULL_SLACK
+        points = [entity.mesh.vertices[:, :2], footprint_bounds(entity.box)]
+        margin = settings.rim_voxels * flat.voxel_m[row] * CULL_SLACK
         if entity.is_layout:
             points.append(np.asarray(entity.planes.corners).reshape(-1, 3)[:, :2])
-            margin += settings.layout_margin_m * _DIAGONAL
+            margin += settings.layout_margin_m * DIAGONAL
         stacked = np.concatenate(points)
         low[row], high[row] = stacked.min(0) - margin, stacked.max(0) + margin
     return low, high
 
 
-def _footprint(box) -> np.ndarray:
+def footprint_bounds(box: Box) -> Float[np.ndarray, "2 2"]:
+    """Low and high of a box's footprint in world axes."""
     c, s = np.cos(float(box.yaw)), np.sin(float(box.yaw))
     half = np.abs([[c, -s], [s, c]]) @ (np.asarray(box.size)[:2] / 2)
     return np.stack([box.center[:2] - half, box.center[:2] + half])
-
-
-def score_triples(flat: FlatEntities, triples: Triples, settings: ContactGraphSettings) -> Support:
-    """D, A and S of every triple."""
-    contact = np.zeros(len(triples), np.float32)
-    polygon = flat.is_layout[triples.parent] & settings.layout_whole_polygon
-    contact[polygon] = polygon_contacts(flat, pick(triples, polygon), settings.layout_margin_m)
-    contact[~polygon] = _vertex_contacts(flat, pick(triples, ~polygon), settings)
-    if not len(triples):
-        return Support(contact, contact, contact)
-
-    def arguments(rows):
-        at = (triples.parent[rows], triples.plane[rows])
-        planes = flat.planes
-        return (
-            take(flat.box, triples.child[rows]),
-            planes.normal[at],
-            planes.offset[at],
-            contact[rows],
-        )
-
-    return in_blocks(_scores, arguments, len(triples), _BLOCK)
-
-
-_scores = jax.jit(jax.vmap(support_score))
-_polygons = jax.jit(jax.vmap(polygon_contact, (0, 0, None)))
-_vertices = jax.jit(jax.vmap(vertex_contact))
-
-
-def pick(triples: Triples, which: np.ndarray) -> Triples:
-    """Some of the triples, by mask or rows."""
-    return Triples(triples.child[which], triples.parent[which], triples.plane[which])
-
-
-def polygon_contacts(
-    flat: FlatEntities, triples: Triples, margin_m: float
-) -> Float[np.ndarray, " triples"]:
-    """Share of the child's bottom that lies over the plane's rectangle, grown by a margin."""
-    margin = np.asarray(margin_m, np.float32)
-
-    def arguments(rows):
-        corners = flat.planes.corners[triples.parent[rows], triples.plane[rows]]
-        return take(flat.box, triples.child[rows]), corners, margin
-
-    if not len(triples):
-        return np.zeros(0, np.float32)
-    return in_blocks(_polygons, arguments, len(triples), _BLOCK)
-
-
-def _vertex_contacts(
-    flat: FlatEntities, triples: Triples, settings: ContactGraphSettings
-) -> Float[np.ndarray, " triples"]:
-    """Triples sorted by their number of points, so that a block pads to its own largest."""
-    clouds = _near_points(flat, triples, settings)
-    order = np.argsort([len(cloud) for cloud in clouds], kind="stable")
-    contact = np.zeros(len(triples), np.float32)
-
-    def arguments(rows):
-        picked = order[rows]
-        points, valid = _pad([clouds[i] for i in picked])
-        child, at = triples.child[picked], (triples.parent[picked], triples.plane[picked])
-        normal, offset = flat.planes.normal[at], flat.planes.offset[at]
-        near = flat.voxel_m[child] * np.float32(settings.near_voxels)
-        rim = flat.voxel_m[child] * np.float32(settings.rim_voxels)
-        return take(flat.box, child), normal, offset, points, valid, near, rim
-
-    if len(triples):
-        contact[order] = in_blocks(_vertices, arguments, len(triples), _BLOCK)
-    return contact
-
-
-def _pad(clouds: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Point sets as one block; its width steps by four, so that few widths are compiled."""
-    width = _LEAST_POINTS
-    while width < max(len(cloud) for cloud in clouds):
-        width *= 4
-    points = np.zeros((len(clouds), width, 3), np.float32)
-    valid = np.zeros((len(clouds), width), bool)
-    for row, cloud in enumerate(clouds):
-        points[row, : len(cloud)] = cloud
-        valid[row, : len(cloud)] = True
-    return points, valid
-
-
-def _near_points(
-    flat: FlatEntities, triples: Triples, settings: ContactGraphSettings
-) -> list[np.ndarray]:
-    """For each triple the carrier's vertices near the plane and around the child."""
-    near: dict[tuple[int, int], np.ndarray] = {}
-    clouds = []
-    for child, parent, k in zip(triples.child, triples.parent, triples.plane, strict=True):
-        if (parent, k) not in near:
-            normal = np.asarray(flat.planes.normal[parent, k])
-            offset = float(flat.planes.offset[parent, k])
-            voxel = float(flat.voxel_m[parent])
-            reach = settings.near_voxels * voxel * _CULL_SLACK
-            near[parent, k] = points_near_plane(
-                flat.items[parent].mesh, normal, offset, reach, voxel
-            )
-        points, low_high = near[parent, k], _footprint(flat.items[child].box)
-        grow = settings.rim_voxels * _DIAGONAL * flat.voxel_m[child] * _CULL_SLACK
-        inside = (points[:, :2] >= low_high[0] - grow) & (points[:, :2] <= low_high[1] + grow)
-        clouds.append(points[inside.all(-1)].astype(np.float32))
-    return clouds

@@ -7,7 +7,8 @@ from ..types import Mesh
 from .planes import FoundPlane, find_planes, plane_area, vertex_areas
 
 _LEVEL_COSINE = 0.9
-"""Vertices of boards have normals this near the vertical."""
+"""Vertices of boards have normals this near the vertical. Not a_th: that says which of the planes
+found here and elsewhere carry, and belongs to the contact graph."""
 _APART_M = 0.1
 """Level planes nearer than this in height are rims of one another, not boards."""
 

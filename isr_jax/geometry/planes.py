@@ -40,11 +40,12 @@ def plane_height_at(
 
 
 def plane_heights(
-    normal: Float[np.ndarray, "*planes 3"],
-    offset: Float[np.ndarray, "*planes"],
-    xy: Float[np.ndarray, "*planes 2"],
+    normal: Float[Array, "*planes 3"],
+    offset: Float[Array, "*planes"],
+    xy: Float[Array, "*planes 2"],
 ) -> Float[np.ndarray, "*planes"]:
     """`plane_height_at` of planes that are not upright, in their own precision (host)."""
+    normal, offset = np.asarray(normal), np.asarray(offset)
     return np.asarray(-(offset + np.sum(normal[..., :2] * xy, -1)) / normal[..., 2])
 
 
@@ -65,9 +66,9 @@ def stack_planes(sets: Sequence[PlaneSet], width: int = 1) -> PlaneSet:
 
 
 def beside_wall(
-    corners: Float[np.ndarray, "corners 3"],
-    normal: Float[np.ndarray, "3"],
-    extent: Float[np.ndarray, "_ 3"],
+    corners: Float[Array, "corners 3"],
+    normal: Float[Array, "3"],
+    extent: Float[Array, "_ 3"],
     slack_m: float = 0.0,
 ) -> bool:
     """Whether a box lies beside the length of a wall, its height left aside (host).
@@ -81,5 +82,5 @@ def beside_wall(
         slack_m: Past its ends the wall counts for so much more.
     """
     along = np.array([-normal[1], normal[0], 0.0])
-    place, reach = corners @ along, extent @ along
+    place, reach = np.asarray(corners) @ along, np.asarray(extent) @ along
     return bool(place.min() <= reach.max() + slack_m and reach.min() <= place.max() + slack_m)

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from ..classes import class_named
 from ..geometry import canonical_box, smallest_rotation
 from ..library import CadModel
-from ..types import Box, Mesh
+from ..types import Attachment, Box, Mesh
 
 ROOM_KINDS = ("kitchen", "office", "living", "bedroom", "meeting")
 _UPRIGHT_COSINE = 1.0 - 1e-6
@@ -69,8 +69,8 @@ class PlacedModel:
     """Name of the entity that carries it; None where nothing does."""
     parent_plane: int | None
     """Plane of the parent: of a model's own planes, or 0 for layout."""
-    attachment: str
-    """``none``, ``wall``, ``hanging`` or ``leaning``; what leans has no parent."""
+    attachment: Attachment
+    """What leans has no parent."""
     tint: Float[np.ndarray, "3"]
     """Factor on the model's colours: instances of one model differ a little."""
 

@@ -10,6 +10,7 @@ from ..types import (
     ROOM,
     UNSUPPORTED,
     AlignmentStatus,
+    Attachment,
     Candidate,
     ContactGraph,
     Entities,
@@ -113,7 +114,9 @@ def true_graph(room: Room, entities: Entities) -> ContactGraph:
         plane[i] = -1 if row is None else row
         score[i] = np.prod(np.asarray(entity.box.size)[:2])
     pairs, depth = _proximal(entities, parent)
-    attachment = [items[e.name].attachment if e.name in items else "none" for e in entities]
+    attachment: list[Attachment] = [
+        items[e.name].attachment if e.name in items else "none" for e in entities
+    ]
     box = stack_boxes([entity.box for entity in entities])
     return ContactGraph(
         parent=parent,

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ...library import CadModel
+from ...types import Attachment
 
 ON_FLOOR, ON_NOTHING = -1, -2
 """Parents of proposals that no other thing carries."""
@@ -26,8 +27,7 @@ class Proposal:
     leans, what its lower edge stands on."""
     plane: int = 0
     """Plane of the parent's model that carries it."""
-    attachment: str = "none"
-    """``none``, ``wall``, ``hanging`` or ``leaning``."""
+    attachment: Attachment = "none"
     lean: Float[np.ndarray, "3 3"] | None = None
     """How it is turned before the yaw; None: upright."""
     role: str = ""
