@@ -130,7 +130,7 @@ def _chosen_kind(seed: int, library: CadLibrary, kind: str | None) -> RoomKind:
         raise SettingError(f"no kind of room {kind!r}", f"use one of {', '.join(RECIPES)}")
     stock = Stock(library, np.random.default_rng(0))
     lacks: dict[RoomKind, list[str]] = {name: _missing(stock, name) for name in asked}
-    possible = [name for name, missing in lacks.items() if not missing]
+    possible: list[RoomKind] = [name for name, missing in lacks.items() if not missing]
     if not possible:
         wants = "; ".join(f"{name}: {', '.join(roles)}" for name, roles in lacks.items())
         raise LibraryError(
