@@ -185,8 +185,8 @@ def test_a_cut_file_says_how_much_is_left(tmp_path):
         ({"depth": "occi_ushort"}, "occi_ushort.*not read"),
         ({"sizes": (0, 24, 32, 24)}, "colour images of 0x24"),
         ({"sizes": (32, 24, 4000000000, 24)}, "depth images of 4000000000x24"),
-        ({"units": 0.0}, "0.0 units a metre"),
-        ({"units": float("nan")}, "nan units a metre"),
+        ({"units": 0.0}, "0.0 units per metre"),
+        ({"units": float("nan")}, "nan units per metre"),
         ({"sensor": b"x" * 5000}, "5000 bytes long"),
     ],
 )

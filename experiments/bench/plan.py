@@ -119,7 +119,7 @@ def _oracle(room: RoomSpec, preset_name: str, truth: str) -> Run:
 def room_specs(splits: tuple[str, ...], count: int, seeds_from: int) -> tuple[RoomSpec, ...]:
     """``count`` rooms, dealt to the splits in turn; in each split all kinds in turn."""
     if count < len(splits):
-        raise SettingError(f"{count} rooms for {len(splits)} splits", "give at least one a split")
+        raise SettingError(f"{count} rooms for {len(splits)} splits", "give at least one per split")
     return tuple(
         RoomSpec(split, ROOM_KINDS[i // len(splits) % len(ROOM_KINDS)], seeds_from + i)
         for k, split in enumerate(splits)

@@ -135,8 +135,8 @@ def check_depth_unit(recording: Recording, samples: Samples) -> float:
     likely = min(_UNITS, key=lambda units: abs(np.log(raw / units / 2.0)))
     raise SequenceError(
         f"{recording.path}: the median depth is {median:.4g} m with {recording.units_per_metre:g} "
-        f"units a metre, which is outside {low} to {high} m; the values look like {_UNITS[likely]}",
-        f"set depth_scale to {likely:g} (units a metre)",
+        f"units per metre, outside {low} to {high} m; the values look like {_UNITS[likely]}",
+        f"set depth_scale to {likely:g} (units per metre)",
     )
 
 

@@ -7,6 +7,7 @@ conventions are converted here, at the border.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -14,12 +15,13 @@ from jaxtyping import Float
 from ..errors import FrameError, SequenceError
 from ..geometry import nearest_rotation
 
-CONVENTIONS = (
+PoseConvention = Literal[
     "opencv_camera_to_world",
     "opencv_world_to_camera",
     "opengl_camera_to_world",
     "opengl_world_to_camera",
-)
+]
+CONVENTIONS: tuple[PoseConvention, ...] = get_args(PoseConvention)
 """Axes of the camera (OpenGL: y up, z backward), and which way the matrix maps."""
 
 _FLIP_YZ = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -29,7 +31,7 @@ _ROTATION_TOLERANCE = 1e-2
 
 
 def to_camera_to_dataset(
-    matrix: Float[np.ndarray, "4 4"], convention: str
+    matrix: Float[np.ndarray, "4 4"], convention: PoseConvention
 ) -> Float[np.ndarray, "4 4"]:
     """A recorded pose as camera to dataset with OpenCV axes."""
     pose = np.linalg.inv(matrix) if convention.endswith("world_to_camera") else matrix
@@ -37,24 +39,24 @@ def to_camera_to_dataset(
 
 
 def from_camera_to_dataset(
-    pose: Float[np.ndarray, "4 4"], convention: str
+    pose: Float[np.ndarray, "4 4"], convention: PoseConvention
 ) -> Float[np.ndarray, "4 4"]:
     """The inverse of `to_camera_to_dataset`."""
     matrix = pose @ _FLIP_YZ if convention.startswith("opengl") else pose
     return np.linalg.inv(matrix) if convention.endswith("world_to_camera") else matrix
 
 
-def check_convention(name: str, source: Path) -> str:
+def check_convention(name: str, source: Path) -> PoseConvention:
     """``name``, if it is one of `CONVENTIONS`.
 
     Raises:
         SequenceError: it is none of `CONVENTIONS`.
     """
-    if name not in CONVENTIONS:
-        raise SequenceError(
-            f"{source}: pose_convention = {name!r}", f"use one of: {', '.join(CONVENTIONS)}"
-        )
-    return name
+    if name in CONVENTIONS:
+        return name
+    raise SequenceError(
+        f"{source}: pose_convention = {name!r}", f"use one of: {', '.join(CONVENTIONS)}"
+    )
 
 
 def read_pose(path: Path) -> Float[np.ndarray, "4 4"]:
@@ -75,7 +77,7 @@ def read_pose(path: Path) -> Float[np.ndarray, "4 4"]:
 
 
 def pose_or_reason(
-    name: str, path: Path | None, convention: str = CONVENTIONS[0]
+    name: str, path: Path | None, convention: PoseConvention = CONVENTIONS[0]
 ) -> Float[np.ndarray, "4 4"] | FrameError:
     """Camera to dataset of frame ``name`` from its pose file, or why the frame has none."""
     if path is None:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 import zlib
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from jaxtyping import UInt8, UInt16
 
 from ..errors import FrameError
 
-CODINGS = ("encoded", "raw_rgb", "raw_ushort", "zlib_ushort")
+Coding = Literal["encoded", "raw_rgb", "raw_ushort", "zlib_ushort"]
 """JPEG or PNG; 3 bytes per pixel; 16 bits per pixel, little-endian; the same, deflated."""
 
 
@@ -23,8 +24,7 @@ class ImageSlice:
     offset: int
     size: int
     """Bytes, as stored."""
-    coding: str
-    """One of `CODINGS`."""
+    coding: Coding
     width: int
     height: int
 

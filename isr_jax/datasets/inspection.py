@@ -22,9 +22,10 @@ from .checks import (
     recorded_camera,
     sampled_cloud,
 )
+from .conventions import PoseConvention
 from .images import check_complete
 from .layouts import read_recording
-from .recording import Recording, present
+from .recording import Recording, SequenceFormat, present
 from .reprojection import convention_errors_m, holding
 from .sequence import color_notes
 from .world_frame import (
@@ -45,7 +46,7 @@ _LISTED = 10
 class ConventionScore:
     """How well depth reprojects between frames under one reading of the poses."""
 
-    convention: str
+    convention: PoseConvention
     error_mm: float
     """Median over pairs; infinite where the moved points miss the other image."""
     declared: bool
@@ -57,7 +58,7 @@ class InspectReport:
     """What `inspect_sequence` found."""
 
     path: Path
-    format: str
+    format: SequenceFormat
     frames: int
     incomplete: tuple[str, ...]
     """One line per frame that cannot be used: a missing file, a bad pose."""
@@ -109,7 +110,7 @@ class InspectReport:
             yield "resolution", f"{c.width}x{c.height}"
             text = f"fx {c.fx:g}, fy {c.fy:g}, cx {c.cx:g}, cy {c.cy:g}"
             yield "intrinsics", f"{text} ({self.intrinsics_source})"
-        yield "depth unit", f"{self.units_per_metre:g} units a metre"
+        yield "depth unit", f"{self.units_per_metre:g} units per metre"
         yield "depth", f"{low:.2f} to {high:.2f} m (1-99 %), median {median:.2f} m"
         yield "valid depth", f"{self.valid_depth_share:.0%} of the pixels"
         if self.gravity is not None:

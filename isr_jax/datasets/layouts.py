@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from types import ModuleType
 
 from ..errors import SequenceError
 from . import plain_folder, scannet, scenenn, seven_scenes, tum
 from .lost_poses import without_lost_poses
-from .recording import Recording
+from .recording import Recording, SequenceFormat
 
-_READERS = {
+_READERS: dict[SequenceFormat, ModuleType] = {
     "tum": tum,
     "7scenes": seven_scenes,
     "scenenn": scenenn,
@@ -26,16 +27,16 @@ _KNOWN = (
 )
 
 
-def detect_format(path: Path) -> str:
+def detect_format(path: Path) -> SequenceFormat:
     """The layout's name, as `open_sequence` takes it.
 
     Raises:
         SequenceError: the folder is no sequence of a known layout.
     """
     names = _entries(path)
-    found = next((f for f, reader in _READERS.items() if reader.matches(names)), None)
-    if found is not None:
-        return found
+    for name, reader in _READERS.items():
+        if reader.matches(names):
+            return name
     below = sorted(n for n in names if (path / n).is_dir() and _looks_known(path / n))
     if below:
         raise SequenceError(f"{path} holds sequences", f"give one of them: {path / below[0]}")

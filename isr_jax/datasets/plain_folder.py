@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import SequenceError
-from .conventions import CONVENTIONS, check_convention, pose_or_reason
+from .conventions import CONVENTIONS, PoseConvention, check_convention, pose_or_reason
 from .recording import Intrinsics, RecordedFrame, Recording, unit_gravity
 
 _FOLDERS = {"rgb": (".jpg", ".jpeg", ".png"), "depth": (".png",), "poses": (".txt",)}
@@ -40,8 +40,7 @@ def read(path: Path, names: set[str]) -> Recording:
     if _FILE not in names:
         raise SequenceError(f"{path} has no {_FILE}", f"write it, for example: {_EXAMPLE}")
     data = _settings(path / _FILE)
-    convention = data.get("pose_convention", CONVENTIONS[0])
-    check_convention(convention, path / _FILE)
+    convention = check_convention(data.get("pose_convention", CONVENTIONS[0]), path / _FILE)
     files = {folder: _by_stem(path / folder, ends) for folder, ends in _FOLDERS.items()}
     stems = sorted(set().union(*files.values()))
     gravity = data.get("gravity")
@@ -72,7 +71,9 @@ def _by_stem(folder: Path, endings: tuple[str, ...]) -> dict[str, Path]:
     return {stem: folder / (stem + end) for stem, end in names if end.lower() in endings}
 
 
-def _frame(stem: str, files: dict[str, dict[str, Path]], convention: str) -> RecordedFrame:
+def _frame(
+    stem: str, files: dict[str, dict[str, Path]], convention: PoseConvention
+) -> RecordedFrame:
     pose = pose_or_reason(stem, files["poses"].get(stem), convention)
     return RecordedFrame(stem, files["rgb"].get(stem), files["depth"].get(stem), pose)
 

@@ -7,15 +7,17 @@ import hashlib
 import json
 import os
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float
 
 from ..errors import FrameError, SequenceError
+from .conventions import PoseConvention
 from .image_slice import ImageSlice
 from .images import ColorCamera, read_depth
 
+SequenceFormat = Literal["tum", "7scenes", "scenenn", "scannet", "plain"]
 _HASHED_WHOLE = 8
 """Frames whose images enter the content hash whole; of the others, name and size do."""
 
@@ -50,15 +52,15 @@ class Recording:
     """One sequence on disk."""
 
     path: Path
-    format: str
+    format: SequenceFormat
     frames: tuple[RecordedFrame, ...]
     intrinsics: Intrinsics
     units_per_metre: float
-    """Depth values a metre."""
+    """Depth values per metre."""
     gravity: Float[np.ndarray, "3"] | None
     """Unit vector, down, dataset frame; None where the recording does not say."""
-    convention: str
-    """Of `conventions.CONVENTIONS`: how the poses are stored (those above are converted)."""
+    convention: PoseConvention
+    """How the poses are stored (those above are converted)."""
     settings_files: tuple[Path, ...]
     """Small files that say how to read the rest."""
     notes: tuple[str, ...] = ()

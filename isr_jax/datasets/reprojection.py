@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from ..types import Camera
-from .conventions import CONVENTIONS, from_camera_to_dataset, to_camera_to_dataset
+from .conventions import CONVENTIONS, PoseConvention, from_camera_to_dataset, to_camera_to_dataset
 
 _STEP_PX = 8
 _MIN_OVERLAP = 0.1
@@ -64,8 +64,8 @@ def moved_pair(
 def convention_errors_m(
     pairs: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]],
     camera: Camera,
-    declared: str,
-) -> dict[str, float]:
+    declared: PoseConvention,
+) -> dict[PoseConvention, float]:
     """Median reprojection error of each of `CONVENTIONS` over pairs of frames.
 
     Args:
@@ -75,7 +75,7 @@ def convention_errors_m(
     """
     size = (camera.height, camera.width)
     pairs = [pair for pair in pairs if pair[0].shape == pair[1].shape == size]
-    errors = {}
+    errors: dict[PoseConvention, float] = {}
     for convention in CONVENTIONS:
         found = []
         for depth_a, depth_b, pose_a, pose_b in pairs:
@@ -88,7 +88,9 @@ def convention_errors_m(
     return errors
 
 
-def holding(errors_m: dict[str, float], declared: str) -> str | None:
+def holding(
+    errors_m: dict[PoseConvention, float], declared: PoseConvention
+) -> PoseConvention | None:
     """The convention that holds; None where none does, or nothing can be said.
 
     The declared one is kept unless another is clearly better: of frames that hardly turn, all

@@ -3,7 +3,7 @@
 Little-endian, without padding (ScanNet's SensReader, 2017): version u32; length u64 and name of the
 sensor; intrinsic and extrinsic 4x4 f32 of the colour camera, then of the depth camera; compression
 of colour (0 raw, 1 png, 2 jpeg) and of depth (0 raw, 1 zlib, 2 occi), i32 each; width and height of
-colour, then of depth, u32 each; depth units a metre f32; number of frames u64. A frame: camera to
+colour, then of depth, u32 each; depth units per metre f32; number of frames u64. A frame: camera to
 world 4x4 f32; time stamps of colour and depth u64; bytes of colour and depth u64; the two images.
 """
 
@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..errors import SequenceError
-from .image_slice import ImageSlice
+from .image_slice import Coding, ImageSlice
 
 VERSION_READ = 4
 _NAME_LENGTH = struct.Struct("<IQ")
@@ -28,8 +28,8 @@ _MAX_NAME_BYTES = 4096
 _MAX_SIDE_PX = 16384
 _SLACK_BYTES = 1 << 16
 """An image's file may be larger than its pixels by headers and by what does not compress."""
-_COLOR_CODINGS = {0: "raw_rgb", 1: "encoded", 2: "encoded"}
-_DEPTH_CODINGS = {0: "raw_ushort", 1: "zlib_ushort"}
+_COLOR_CODINGS: dict[int, Coding] = {0: "raw_rgb", 1: "encoded", 2: "encoded"}
+_DEPTH_CODINGS: dict[int, Coding] = {0: "raw_ushort", 1: "zlib_ushort"}
 _OCCI = 2
 
 
@@ -131,7 +131,7 @@ def _exactly(file: BinaryIO, count: int, path: Path) -> bytes:
     return data
 
 
-def _codings(path: Path, color: int, depth: int) -> tuple[str, str]:
+def _codings(path: Path, color: int, depth: int) -> tuple[Coding, Coding]:
     if depth == _OCCI:
         raise SequenceError(
             f"{path}: depth is compressed by OpenNI's own coding (occi_ushort), which is not read",
@@ -160,7 +160,7 @@ def _check_header(
                 "download the scan again",
             )
     if not (np.isfinite(units) and units > 0):
-        raise SequenceError(f"{path}: depth has {units} units a metre", "download the scan again")
+        raise SequenceError(f"{path}: depth has {units} units per metre", "download the scan again")
     for kind, matrix in (("colour", matrices[0]), ("depth", matrices[2])):
         if not np.isfinite(matrix).all() or matrix[0, 0] <= 0 or matrix[1, 1] <= 0:
             raise SequenceError(
@@ -174,7 +174,7 @@ def _frames(
     path: Path,
     start: int,
     declared: int,
-    codings: tuple[str, str],
+    codings: tuple[Coding, Coding],
     color: tuple[int, int],
     depth: tuple[int, int],
 ) -> tuple[SensFrame, ...]:

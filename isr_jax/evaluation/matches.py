@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Literal
 
 import numpy as np
 
@@ -21,8 +22,8 @@ class Match:
 
     truth: str
     predicted: str | None
-    by: str
-    """``segments`` (IoU > 0.5), ``boxes`` (IoU >= 0.25, same class) or ``none``."""
+    by: Literal["segments", "boxes", "none"]
+    """IoU > 0.5 of segments; IoU >= 0.25 of boxes of one class; nothing."""
     iou: float
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -13,7 +14,8 @@ from ..geometry import canonical_box, smallest_rotation
 from ..library import CadModel
 from ..types import Attachment, Box, Mesh
 
-ROOM_KINDS = ("kitchen", "office", "living", "bedroom", "meeting")
+RoomKind = Literal["kitchen", "office", "living", "bedroom", "meeting"]
+ROOM_KINDS: tuple[RoomKind, ...] = get_args(RoomKind)
 _UPRIGHT_COSINE = 1.0 - 1e-6
 WALL_SLAB_M = 0.02
 """Thickness of the boxes of layout entities; their surface is the side towards the room."""
@@ -115,8 +117,7 @@ class Room:
     """A furnished room. World: z up, floor at z = 0, walls off the axes."""
 
     name: str
-    kind: str
-    """Of `ROOM_KINDS`."""
+    kind: RoomKind
     seed: int
     layout: tuple[LayoutPatch, ...]
     """The floor first."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from typing import Literal
 
 import equinox as eqx
 import jax
@@ -106,8 +107,8 @@ class ClassQuality:
     """Panoptic quality of one class."""
 
     class_name: str
-    kind: str
-    """``thing``, or ``stuff`` (layout and stuff: one segment per class)."""
+    kind: Literal["thing", "stuff"]
+    """Layout counts as stuff: one segment per class."""
     pq: float
     sq: float
     rq: float
@@ -162,7 +163,7 @@ class PanopticScores:
 
 
 def panoptic_scores(quality: PanopticQuality) -> PanopticScores:
-    """Scores a class and their averages."""
+    """Scores of each class and their averages."""
     rows = []
     for info in classes():
         tp, fp, fn = (

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import LibraryError, SceneError, SettingError
 from ...library import CadLibrary
-from ..room import LayoutPatch, PlacedModel, Room, upright_from_gravity
+from ..room import LayoutPatch, PlacedModel, Room, RoomKind, upright_from_gravity
 from .floor_rules import place_at_walls, place_on_floor, place_run
 from .groups import place_lounge, place_seating, place_sleeping, place_workplaces
 from .hanging import hang_above_run, hang_from_ceiling, hang_on_walls
@@ -73,7 +73,7 @@ def make_room(
     return _made(seed, library, kind, RECIPES[kind], ceiling)
 
 
-def _made(seed: int, library: CadLibrary, kind: str, recipe: Recipe, ceiling: bool) -> Room:
+def _made(seed: int, library: CadLibrary, kind: RoomKind, recipe: Recipe, ceiling: bool) -> Room:
     """The first attempt at a recipe that is complete."""
     for attempt in range(_ATTEMPTS):
         rng = np.random.default_rng([seed, attempt])
@@ -123,13 +123,14 @@ def builtin_room(library: CadLibrary) -> Room:
     )
 
 
-def _chosen_kind(seed: int, library: CadLibrary, kind: str | None) -> str:
+def _chosen_kind(seed: int, library: CadLibrary, kind: str | None) -> RoomKind:
     """The kind that was asked for, or one that the library can furnish."""
-    if kind is not None and kind not in RECIPES:
+    asked: list[RoomKind] = [name for name in RECIPES if kind in (name, None)]
+    if not asked:
         raise SettingError(f"no kind of room {kind!r}", f"use one of {', '.join(RECIPES)}")
     stock = Stock(library, np.random.default_rng(0))
-    lacks = {name: _missing(stock, name) for name in ([kind] if kind else RECIPES)}
-    possible = [name for name, missing in lacks.items() if not missing]
+    lacks: dict[RoomKind, list[str]] = {name: _missing(stock, name) for name in asked}
+    possible: list[RoomKind] = [name for name, missing in lacks.items() if not missing]
     if not possible:
         wants = "; ".join(f"{name}: {', '.join(roles)}" for name, roles in lacks.items())
         raise LibraryError(
@@ -139,7 +140,7 @@ def _chosen_kind(seed: int, library: CadLibrary, kind: str | None) -> str:
     return possible[int(np.random.default_rng([seed, len(possible)]).integers(len(possible)))]
 
 
-def _missing(stock: Stock, kind: str) -> list[str]:
+def _missing(stock: Stock, kind: RoomKind) -> list[str]:
     """What a kind of room cannot be without and the stock does not hold."""
     needs = RECIPES[kind].needs
     return [" or ".join(roles) for roles in needs if not any(role in stock for role in roles)]
@@ -213,7 +214,7 @@ def _stackable(recipe: Recipe, stock: Stock) -> bool:
 
 
 def _room_in_world(
-    seed: int, kind: str, shell: Shell, space: Occupancy, rng: np.random.Generator
+    seed: int, kind: RoomKind, shell: Shell, space: Occupancy, rng: np.random.Generator
 ) -> Room:
     """Turn the room off the axes, name everything, and choose the dataset's frame."""
     yaw = float(rng.uniform(0.17, 0.61)) + np.pi / 2 * int(rng.integers(4))

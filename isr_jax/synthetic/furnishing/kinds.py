@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..room import RoomKind
 from .recipe import (
     AtWall,
     FromCeiling,
@@ -275,11 +276,11 @@ DEMONSTRATION = Recipe(
 )
 """A kitchen to live in: every rule once, and less on the tables."""
 
-RECIPES: dict[str, Recipe] = {
+RECIPES: dict[RoomKind, Recipe] = {
     "kitchen": KITCHEN,
     "office": OFFICE,
     "living": LIVING,
     "bedroom": BEDROOM,
     "meeting": MEETING,
 }
-"""By kind; the keys are `room.ROOM_KINDS`."""
+"""By kind."""
