@@ -169,9 +169,10 @@ def frustum(
 
 
 def tapered_box(
-    bottom: tuple[float, float, float, float], top: tuple[float, float, float, float],
+    bottom: tuple[float, float, float, float],
+    top: tuple[float, float, float, float],
     z: tuple[float, float],
-) -> Solid:  # fmt: skip
+) -> Solid:
     """A six-sided piece between two level rectangles (x0, x1, y0, y1) of equal proportions."""
     rows = [
         [(x0, y0, h), (x1, y0, h), (x1, y1, h), (x0, y1, h)]
