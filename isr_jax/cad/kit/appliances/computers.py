@@ -111,6 +111,9 @@ def laptop(
     The lid is as long as the base, so the box alone says how far it stands open; there its joint is
     at zero, closed at its lower limit. A ``closed`` one has its lid down at zero, and ``lid`` says
     how the height is shared.
+
+    Raises:
+        SettingError: No angle of the lid fills depth and height.
     """
     builder = ModelBuilder("laptop", symmetry=1)
     if closed:

@@ -40,7 +40,11 @@ def door(
     handle: Literal["lever", "knob", "bar"] = "lever",
     metal: m.Material = m.STEEL,
 ) -> ModelBuilder:
-    """One leaf in a frame ``depth`` deep; it opens to the front, its hinge at ``hinge``."""
+    """One leaf in a frame ``depth`` deep; it opens to the front, its hinge at ``hinge``.
+
+    Raises:
+        SettingError: The frame is too shallow for the leaf.
+    """
     builder = ModelBuilder("door", symmetry=1)
     x, y = width / 2, depth / 2
     _add_frame(builder, (x, y, height), jamb, thickness, frame)
@@ -118,7 +122,11 @@ def double_door(
     handle: Literal["lever", "knob", "bar"] = "lever",
     metal: m.Material = m.STEEL,
 ) -> ModelBuilder:
-    """Two leaves that meet in the middle and open to the front."""
+    """Two leaves that meet in the middle and open to the front.
+
+    Raises:
+        SettingError: The frame is too shallow for the leaves.
+    """
     builder = ModelBuilder("door", symmetry=1)
     x, y = width / 2, depth / 2
     _add_frame(builder, (x, y, height), jamb, thickness, frame)

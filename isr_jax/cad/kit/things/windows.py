@@ -38,6 +38,9 @@ def casement_window(
     """Sashes beside one another that open to the front (into the room).
 
     A sash is named by the side of its hinge; ``bottom`` tilts, ``fixed`` does not move.
+
+    Raises:
+        SettingError: The sashes would be too narrow.
     """
     builder = ModelBuilder("window", symmetry=2 if set(sashes) == {"fixed"} else 1)
     x, y, count = width / 2, depth / 2, len(sashes)
