@@ -111,8 +111,12 @@ def parts_model(cad_id, class_name, parts, density=500.0, supporting_top=True) -
         inertia,
     )
     planes = [box_planes(size, center) for size, center in parts]
-    merged = PlaneSet(*(np.concatenate([getattr(p, f) for p in planes]) for f in
-                        ("normal", "offset", "corners", "area_m2", "valid")))  # fmt: skip
+    merged = PlaneSet(
+        *(
+            np.concatenate([getattr(p, f) for p in planes])
+            for f in ("normal", "offset", "corners", "area_m2", "valid")
+        )
+    )
     count = len(merged.offset)
     return CadModel(
         id=cad_id,

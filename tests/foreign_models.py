@@ -148,8 +148,14 @@ def glb(triangles: int = 12) -> bytes:
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
         "materials": [{"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}],
         "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3",
-             "min": [0, 0, 0], "max": [1, 1, 1]},
+            {
+                "bufferView": 0,
+                "componentType": 5126,
+                "count": 8,
+                "type": "VEC3",
+                "min": [0, 0, 0],
+                "max": [1, 1, 1],
+            },
             {"bufferView": 1, "componentType": 5125, "count": 3 * triangles, "type": "SCALAR"},
         ],
         "bufferViews": [
@@ -157,7 +163,7 @@ def glb(triangles: int = 12) -> bytes:
             {"buffer": 0, "byteOffset": 96, "byteLength": 144},
         ],
         "buffers": [{"byteLength": len(data)}],
-    }  # fmt: skip
+    }
     text = json.dumps(tree).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text

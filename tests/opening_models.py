@@ -115,9 +115,17 @@ def drawer_model(
     x, y, z = SIZE / 2 - BOARD - 0.003
     drawer = solid_link("drawer", ((-x, x), (-y, y), (-z, z)), density=inside)
     joint = Joint(
-        "drawer_joint", "prismatic", "base", "drawer", np.eye(4), np.array([0.0, -1.0, 0.0]),
-        0.0, travel_m, damping=6.0, friction=friction,
-    )  # fmt: skip
+        "drawer_joint",
+        "prismatic",
+        "base",
+        "drawer",
+        np.eye(4),
+        np.array([0.0, -1.0, 0.0]),
+        0.0,
+        travel_m,
+        damping=6.0,
+        friction=friction,
+    )
     robot = RobotModel("cabinet_test", (carcass(density), drawer), (joint,))
     return model_of(robot, [Handle("drawer_joint", "drawer", np.array([0.0, -y, 0.0]))])
 
@@ -127,9 +135,15 @@ def wheel_model(arm_m: float = 0.1) -> CadModel:
     z = SIZE[2] / 2
     wheel = solid_link("wheel", ((-0.1, 0.1), (-0.1, 0.1), (0.003, 0.02)))
     joint = Joint(
-        "wheel_joint", "continuous", "base", "wheel", transform(0, 0, z), np.array([0.0, 0, 1]),
-        damping=0.05, friction=0.05,
-    )  # fmt: skip
+        "wheel_joint",
+        "continuous",
+        "base",
+        "wheel",
+        transform(0, 0, z),
+        np.array([0.0, 0, 1]),
+        damping=0.05,
+        friction=0.05,
+    )
     robot = RobotModel("cabinet_test", (carcass(), wheel), (joint,))
     return model_of(robot, [Handle("wheel_joint", "wheel", np.array([arm_m, 0.0, 0.01]))])
 

@@ -78,8 +78,14 @@ def sphere(count: int) -> Mesh:
     hull = ConvexHull(points)
     faces = hull.simplices.copy()
     corners = points[faces]
-    inward = np.einsum("fc,fc->f", np.cross(corners[:, 1] - corners[:, 0],
-                       corners[:, 2] - corners[:, 0]), corners[:, 0]) < 0  # fmt: skip
+    inward = (
+        np.einsum(
+            "fc,fc->f",
+            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
+            corners[:, 0],
+        )
+        < 0
+    )
     faces[inward] = faces[inward, ::-1]
     return Mesh(points.astype(np.float32), faces.astype(np.int32))
 
@@ -242,8 +248,13 @@ def test_a_flap_that_friction_holds_does_not_creep():
 def test_a_door_that_hits_its_carcass_is_found_by_geometry():
     """Hinged 10 mm behind its front corner, a door swings its rear edge into the side."""
     model = door_model(gap_m=0.0005)
-    found = reasons(with_joint(model, T_parent_child=model.robot.joints[0].T_parent_child,
-                               axis=np.array([0.0, 0.0, 1.0])))  # fmt: skip
+    found = reasons(
+        with_joint(
+            model,
+            T_parent_child=model.robot.joints[0].T_parent_child,
+            axis=np.array([0.0, 0.0, 1.0]),
+        )
+    )
     assert "base and door overlap" in found["opening"] and "degrees" in found["opening"]
 
 

@@ -264,9 +264,12 @@ def test_worker_processes_give_the_same_hulls_and_report_progress(tmp_path):
     models = [chair(), cabinet()]
     here = with_hulls(models, "vhacd", workers=0, cache_dir=tmp_path / "a")
     there = with_hulls(
-        models, "vhacd", workers=1, cache_dir=tmp_path / "b",
+        models,
+        "vhacd",
+        workers=1,
+        cache_dir=tmp_path / "b",
         progress=lambda done, total: steps.append((done, total)),
-    )  # fmt: skip
+    )
     for a, b in zip(here, there):
         assert len(hull_arrays(a)) == len(hull_arrays(b)) > 0
         assert all(np.array_equal(x, y) for x, y in zip(hull_arrays(a), hull_arrays(b)))

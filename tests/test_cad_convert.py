@@ -140,9 +140,14 @@ def test_rotation_to_canonical_is_a_rotation_that_does_what_it_says():
 def test_rigid_models_stretch_to_their_stated_size():
     stated = np.array([0.5, 0.44, 0.9])
     model = convert(
-        found_of(chair_mesh(), "chair", up=np.array([0.0, 0, 1]), front=np.array([0.0, -1, 0]),
-                 size_m=stated)
-    )  # fmt: skip
+        found_of(
+            chair_mesh(),
+            "chair",
+            up=np.array([0.0, 0, 1]),
+            front=np.array([0.0, -1, 0]),
+            size_m=stated,
+        )
+    )
     np.testing.assert_allclose(model.size, stated, rtol=1e-5)
     assert any("stretched" in note for note in model.notes)
 
@@ -181,12 +186,20 @@ def test_no_faces_and_no_numbers_are_refused():
 @pytest.mark.parametrize(
     ("words", "class_name"),
     [
-        ("StorageFurniture", "cabinet"), ("TrashCan", "bin"), ("base_cabinet_0", "cabinet"),
-        ("Bedside table", "nightstand"), ("Table lamp", "lamp"), ("Chair with cushion", "chair"),
-        ("slidecabinet", "cabinet"), ("OfficeChair", "chair"), ("Shelves", "bookshelf"),
-        ("Wheelchair", "other"), ("Toilet brush", "other"), ("Glasses", "other"),
+        ("StorageFurniture", "cabinet"),
+        ("TrashCan", "bin"),
+        ("base_cabinet_0", "cabinet"),
+        ("Bedside table", "nightstand"),
+        ("Table lamp", "lamp"),
+        ("Chair with cushion", "chair"),
+        ("slidecabinet", "cabinet"),
+        ("OfficeChair", "chair"),
+        ("Shelves", "bookshelf"),
+        ("Wheelchair", "other"),
+        ("Toilet brush", "other"),
+        ("Glasses", "other"),
     ],
-)  # fmt: skip
+)
 def test_the_head_of_a_name_says_the_class(words, class_name):
     assert guess_class([words]).class_name == class_name
 
@@ -241,10 +254,14 @@ def test_a_cylinder_has_two_planes_and_is_round():
     points = np.concatenate([np.c_[ring, np.zeros(48)], np.c_[ring, np.full(48, 0.5)]])
     points = np.concatenate([points, [[0, 0, 0], [0, 0, 0.5]]]).astype(np.float32)
     k, n = np.arange(48), (np.arange(48) + 1) % 48
-    faces = np.concatenate([
-        np.stack([k, n, n + 48], 1), np.stack([k, n + 48, k + 48], 1),
-        np.stack([n, k, np.full(48, 96)], 1), np.stack([k + 48, n + 48, np.full(48, 97)], 1),
-    ]).astype(np.int32)  # fmt: skip
+    faces = np.concatenate(
+        [
+            np.stack([k, n, n + 48], 1),
+            np.stack([k, n + 48, k + 48], 1),
+            np.stack([n, k, np.full(48, 96)], 1),
+            np.stack([k + 48, n + 48, np.full(48, 97)], 1),
+        ]
+    ).astype(np.int32)
     model = convert(found_of(Mesh(points, faces), "vase", up=np.array([0.0, 0, 1])))
     assert model.symmetry == 0
     assert sorted(np.round(np.asarray(model.planes.normal)[:, 2], 3)) == [-1, 1]
@@ -311,18 +328,21 @@ def test_upholstery_that_is_not_flat_still_carries():
     quads = np.stack([corner, corner + 1, corner + 22, corner + 21], 1)
     top = Mesh(points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32))
     model = convert(
-        found_of(joined(top, block((0.6, 0.6, 0.44), (0, 0, 0.22))), "stool",
-                 up=np.array([0.0, 0, 1]))
-    )  # fmt: skip
+        found_of(
+            joined(top, block((0.6, 0.6, 0.44), (0, 0, 0.22))), "stool", up=np.array([0.0, 0, 1])
+        )
+    )
     assert any(0.44 < height < 0.475 and area > 0.1 for height, area in supporting(model))
 
 
 def cabinet_robot(scale: float = 1.0) -> RobotModel:
     """A carcass, a hinged door with a handle, a drawer; they open towards +x in this file."""
     carcass = joined(
-        block((0.5, 0.02, 0.8), (0, -0.29, 0.4)), block((0.5, 0.02, 0.8), (0, 0.29, 0.4)),
-        block((0.02, 0.56, 0.8), (-0.24, 0, 0.4)), block((0.5, 0.6, 0.02), (0, 0, 0.81)),
-    )  # fmt: skip
+        block((0.5, 0.02, 0.8), (0, -0.29, 0.4)),
+        block((0.5, 0.02, 0.8), (0, 0.29, 0.4)),
+        block((0.02, 0.56, 0.8), (-0.24, 0, 0.4)),
+        block((0.5, 0.6, 0.02), (0, 0, 0.81)),
+    )
     door, handle = block((0.02, 0.56, 0.5), (0, 0.28, 0)), block((0.04, 0.1, 0.02), (0.03, 0.5, 0))
     drawer = block((0.4, 0.5, 0.2))
     unit = 1 / scale
@@ -336,10 +356,26 @@ def cabinet_robot(scale: float = 1.0) -> RobotModel:
         T[:3, 3] = np.array([x, y, z]) * unit
         return T
 
-    hinge = Joint("door_hinge", "revolute", "carcass", "door", at(0.26, -0.28, 0.26),
-                  np.array([0.0, 0, -1]), 0.0, 1.6)  # fmt: skip
-    slide = Joint("drawer_slide", "prismatic", "carcass", "drawer", at(0.0, 0, 0.68),
-                  np.array([1.0, 0, 0]), 0.0, 0.3 * unit)  # fmt: skip
+    hinge = Joint(
+        "door_hinge",
+        "revolute",
+        "carcass",
+        "door",
+        at(0.26, -0.28, 0.26),
+        np.array([0.0, 0, -1]),
+        0.0,
+        1.6,
+    )
+    slide = Joint(
+        "drawer_slide",
+        "prismatic",
+        "carcass",
+        "drawer",
+        at(0.0, 0, 0.68),
+        np.array([1.0, 0, 0]),
+        0.0,
+        0.3 * unit,
+    )
     links = (
         link("carcass", ("body", carcass)),
         link("door", ("panel", door), ("handle", handle)),
@@ -439,9 +475,15 @@ def test_kit_models_taken_apart_to_triangles_come_back_the_same(cad_id):
 
     cad_id = cad_id if cad_id in KIT else next(i for i in KIT if i.startswith(cad_id.split("/")[0]))
     kit = make(cad_id)
-    found = FoundModel(cad_id.split("/")[1], "kit.urdf", kit.robot, unit_m=1.0,
-                       up=np.array([0.0, 0, 1]), front=np.array([0.0, -1, 0]),
-                       class_name=kit.class_name)  # fmt: skip
+    found = FoundModel(
+        cad_id.split("/")[1],
+        "kit.urdf",
+        kit.robot,
+        unit_m=1.0,
+        up=np.array([0.0, 0, 1]),
+        front=np.array([0.0, -1, 0]),
+        class_name=kit.class_name,
+    )
     model = convert(found)
     np.testing.assert_allclose(model.size, kit.size, atol=0.07)
     theirs = [

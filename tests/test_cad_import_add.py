@@ -74,8 +74,10 @@ def test_the_rest_of_a_folder_comes_in(tmp_path: Path) -> None:
     seen: list[tuple[int, int]] = []
     report = add_models(root, library, workers=0, progress=lambda d, n: seen.append((d, n)))
     assert {a.source for a in report.accepted} == {
-        "mixed/b_chair.obj", "mixed/c_chair.obj", "mixed/h/cabinet.urdf"
-    }  # fmt: skip
+        "mixed/b_chair.obj",
+        "mixed/c_chair.obj",
+        "mixed/h/cabinet.urdf",
+    }
     reasons = {r.source.removeprefix("mixed/"): r.reason for r in report.rejected}
     assert set(reasons) == {*REASONS, "l.zip/../evil.obj"}
     for source, reason in REASONS.items():

@@ -177,8 +177,11 @@ def test_fitted_names_fit(name: str) -> None:
 def test_names_are_unique_whatever_their_letter_case() -> None:
     unique = Unique()
     assert [unique(n) for n in ("Door", "door", "door", "other")] == [
-        "Door", "door_2", "door_3", "other"
-    ]  # fmt: skip
+        "Door",
+        "door_2",
+        "door_3",
+        "other",
+    ]
 
 
 def test_properties_have_comments_escapes_and_long_lines() -> None:

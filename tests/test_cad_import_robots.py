@@ -71,9 +71,14 @@ def test_urdf_links_joints_colours_and_masses(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "reference",
-    ["meshes/door.obj", "./meshes/DOOR.obj", "package://kitchen/meshes/door.obj",
-     "package://other/door.obj", "file:///home/me/door.obj"],
-)  # fmt: skip
+    [
+        "meshes/door.obj",
+        "./meshes/DOOR.obj",
+        "package://kitchen/meshes/door.obj",
+        "package://other/door.obj",
+        "file:///home/me/door.obj",
+    ],
+)
 def test_urdf_finds_its_meshes(tmp_path: Path, reference: str) -> None:
     root = tmp_path / "kitchen"
     write(
@@ -105,7 +110,7 @@ def test_urdf_finds_its_meshes(tmp_path: Path, reference: str) -> None:
         (urdf().replace('xyz="0 0 2"', 'xyz="a b c"'), "cannot be read as URDF"),
         ('<robot name="a"><link name="b"/></robot>', "no faces"),
     ],
-)  # fmt: skip
+)
 def test_bad_urdf_is_refused_with_its_reason(tmp_path: Path, text: str, reason: str) -> None:
     with pytest.raises(LibraryError, match=reason) as caught:
         read_urdf_text(tmp_path / "sub", text)
@@ -136,7 +141,7 @@ def test_loops_of_links_are_refused(tmp_path: Path) -> None:
         ('xyz="0 0 2"', 'xyz="0 0 0"', "fixed", (0, 0), "no direction"),
         ("</joint>", '<mimic joint="x"/></joint>', "revolute", (-1.5, 0), "follows x"),
     ],
-)  # fmt: skip
+)
 def test_joints_are_made_sound_and_it_is_said(tmp_path, old, new, kind, limits, note) -> None:
     assert old in urdf()
     found = read_urdf_text(tmp_path, urdf().replace(old, new))
@@ -378,13 +383,17 @@ def _same_texture_places(mesh: Mesh) -> None:
         (MJCF.replace("<asset>", '<asset><model file="m.xml"/>'), "other models attached"),
         (MJCF.replace("<asset>", '<extension><plugin plugin="p"/></extension><asset>'), "plugins"),
         (
-            "<mujoco><worldbody>" + '<replicate count="100">' * 3 + '<geom size="1"/>'
-            + "</replicate>" * 3 + "</worldbody></mujoco>", "too many times",
+            "<mujoco><worldbody>"
+            + '<replicate count="100">' * 3
+            + '<geom size="1"/>'
+            + "</replicate>" * 3
+            + "</worldbody></mujoco>",
+            "too many times",
         ),
         ("<mujoco><worldbody/></mujoco>", "no geoms"),
         ("<robot/>", "no <mujoco>"),
     ],
-)  # fmt: skip
+)
 def test_bad_mjcf_is_refused_with_its_reason(tmp_path: Path, text: str, reason: str) -> None:
     with pytest.raises(LibraryError, match=reason) as caught:
         read_mjcf_text(tmp_path / "sub", text)
@@ -408,8 +417,10 @@ def kept_urdf_joints(path: Path) -> None:
     assert {j.name for j in ours.joints} == set(theirs.joint_map)
     assert {link.name for link in ours.links} == set(theirs.link_map)
     moving = theirs.actuated_joint_names
-    middle = {n: np.mean([theirs.joint_map[n].limit.lower, theirs.joint_map[n].limit.upper])
-              for n in moving}  # fmt: skip
+    middle = {
+        n: np.mean([theirs.joint_map[n].limit.lower, theirs.joint_map[n].limit.upper])
+        for n in moving
+    }
     for positions in ({}, middle):
         theirs.update_cfg(np.array([positions.get(n, 0.0) for n in moving]))
         poses = link_transforms(ours, positions)

@@ -112,9 +112,13 @@ def test_bad_robots_and_archives_are_items_that_say_why(tmp_path: Path) -> None:
     reasons = refusals(find_models(tmp_path))
     label = tmp_path.name
     assert set(reasons) == {
-        f"{label}/bomb.xml", f"{label}/bomb.urdf", f"{label}/cut.urdf", f"{label}/wrong.urdf",
-        f"{label}/broken.zip", "evil.zip/../../evil.obj",
-    }  # fmt: skip
+        f"{label}/bomb.xml",
+        f"{label}/bomb.urdf",
+        f"{label}/cut.urdf",
+        f"{label}/wrong.urdf",
+        f"{label}/broken.zip",
+        "evil.zip/../../evil.obj",
+    }
     assert "document type" in reasons[f"{label}/bomb.xml"]
     assert "root is <mujoco>" in reasons[f"{label}/wrong.urdf"]
     assert "leads out of the archive" in reasons["evil.zip/../../evil.obj"]

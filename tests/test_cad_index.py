@@ -315,11 +315,15 @@ def test_arrays_of_nothing_and_of_models_without_planes():
     bare = table_model()
     none = dataclasses.replace(
         bare,
-        planes=type(bare.planes)(*(getattr(bare.planes, f)[:0] for f in
-                                   ("normal", "offset", "corners", "area_m2", "valid"))),
+        planes=type(bare.planes)(
+            *(
+                getattr(bare.planes, f)[:0]
+                for f in ("normal", "offset", "corners", "area_m2", "valid")
+            )
+        ),
         plane_link=(),
         plane_supporting=bare.plane_supporting[:0],
-    )  # fmt: skip
+    )
     arrays = library_of(none).arrays
     assert arrays.plane_count.tolist() == [0] and np.all(arrays.normal == (0, 0, 1))
 

@@ -43,10 +43,16 @@ MASS_RANGE_KG = {
 CLASSES = sorted(MASS_RANGE_KG)
 MINE = sorted(cad_id for cad_id in KIT if cad_id.split("/")[0] in MASS_RANGE_KG)
 NAMED = (
-    "bin/square_30", "cabinet/base_60_drawers", "chair/ladder_42", "counter/row_180",
-    "bookshelf/wide_120", "sofa/seats_2", "table/dining_140x80", "table/round_90",
+    "bin/square_30",
+    "cabinet/base_60_drawers",
+    "chair/ladder_42",
+    "counter/row_180",
+    "bookshelf/wide_120",
+    "sofa/seats_2",
+    "table/dining_140x80",
+    "table/round_90",
     "wall_cabinet/open_middle_120",
-)  # fmt: skip
+)
 """Models that a test below names."""
 _BUILD = "import sys; from isr_jax.cad import build_library as b; b(sys.argv[1], ids=sys.argv[2:])"
 

@@ -45,8 +45,10 @@ GRAVITY_M_S2 = 9.81
 
 def _ids(every: bool) -> list[str]:
     rows = [(name, row) for name, rows in ROWS.items() for row in rows]
-    first = {(name, row.maker, row.options.get("kind"), row.options.get("closed")):
-             f"{name}/{row.name}" for name, row in reversed(rows)}  # fmt: skip
+    first = {
+        (name, row.maker, row.options.get("kind"), row.options.get("closed")): f"{name}/{row.name}"
+        for name, row in reversed(rows)
+    }
     return [f"{name}/{row.name}" for name, row in rows] if every else sorted(first.values())
 
 
@@ -120,8 +122,11 @@ def test_moving_parts_keep_clear_of_everything(models):
     rng = np.random.default_rng(0)
     for model in models:
         if model.class_name == "toilet":  # with its seat up, the lid has no room left
-            poses = [{j.name: j.upper * q} for j in model.robot.moving_joints
-                     for q in (0.0, 0.03, 0.15, 0.5, 0.8, 1.0)]  # fmt: skip
+            poses = [
+                {j.name: j.upper * q}
+                for j in model.robot.moving_joints
+                for q in (0.0, 0.03, 0.15, 0.5, 0.8, 1.0)
+            ]
             assert min(sound.least_distance(model, q) for q in poses) > sound.CLEARANCE_M, model.id
         elif model.articulated:
             sound.assert_moving_parts_keep_clear(model, rng)
@@ -161,15 +166,27 @@ def test_lids_of_laptops_are_held_against_their_weight(models):
 
 @pytest.mark.parametrize(
     "cad_id",
-    ["bathtub/skirt_170", "bathtub/oval_170", "sink/vessel_round_40", "sink/vanity_60",
-     "kettle/steel_17", "kettle/stove_steel_25", "sink/utility_58", "toilet/close_coupled_66"],
-)  # fmt: skip
+    [
+        "bathtub/skirt_170",
+        "bathtub/oval_170",
+        "sink/vessel_round_40",
+        "sink/vanity_60",
+        "kettle/steel_17",
+        "kettle/stove_steel_25",
+        "sink/utility_58",
+        "toilet/close_coupled_66",
+    ],
+)
 def test_what_holds_things_is_hollow(cad_id):
     """Upright lines near the middle of the hollow meet a floor, and nothing above it."""
     model = make(cad_id)
     lids = {"lid", "seat"} | {link.name for link in model.robot.links if "lever" in link.name}
-    hulls = [h for link in model.robot.links if link.name not in lids
-             for h in sound.hulls_at_rest(model, link.name)]  # fmt: skip
+    hulls = [
+        h
+        for link in model.robot.links
+        if link.name not in lids
+        for h in sound.hulls_at_rest(model, link.name)
+    ]
     middle = {"sink/utility_58": (0.0, -0.04), "toilet/close_coupled_66": (0.0, -0.14)}
     z = np.linspace(-model.size[2] / 2, model.size[2] / 2, 241)
     x, y = middle.get(cad_id, (0.0, 0.0))

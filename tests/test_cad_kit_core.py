@@ -37,8 +37,12 @@ def cupboard(width: float, depth: float, height: float, *, knob: float = 0.02) -
     builder = ModelBuilder("cabinet", symmetry=1)
     x, y = width / 2, depth / 2
     builder.add(OAK, box((-x, x), (-y + 0.03, y), (0.0, height)))
-    builder.add(STEEL, box((-knob, knob), (-y - 0.03, -y - 0.002), (0.5, 0.5 + knob)), link="knob",
-                handle=True)  # fmt: skip
+    builder.add(
+        STEEL,
+        box((-knob, knob), (-y - 0.03, -y - 0.002), (0.5, 0.5 + knob)),
+        link="knob",
+        handle=True,
+    )
     builder.add(GLASS, box((-x, x), (-y, -y + 0.02), (0.0, height)), link="door")
     builder.knob("knob", (0.0, -y, 0.5), (0, -1, 0), 1.0, parent="door", lower_rad=-0.5)
     builder.hinge("door", (-x, -y, height / 2), (0, 0, -1), 1.5)
@@ -55,8 +59,11 @@ def test_builder_puts_the_origin_in_the_middle_and_joins_coplanar_faces():
     assert model.id == "table/two_boards" and model.mount == "floor"
     np.testing.assert_allclose(model.size, [1.0, 0.3, 0.1])
     assert sound.supporting_heights(model) == [0.02, 0.1]
-    k = int(np.argmax(model.planes.area_m2 * (model.planes.corners[:, 0, 2] < 0)
-                      * model.plane_supporting))  # fmt: skip
+    k = int(
+        np.argmax(
+            model.planes.area_m2 * (model.planes.corners[:, 0, 2] < 0) * model.plane_supporting
+        )
+    )
     # The 4 mm joint belongs to the rectangle, not to the area.
     width = np.ptp(model.planes.corners[k, :, 0])
     assert width == pytest.approx(0.8) and model.planes.area_m2[k] == pytest.approx(0.796 * 0.3)
@@ -175,8 +182,9 @@ def test_every_level_of_detail_is_sound(cad_id, detail):
 
 def test_options_follow_the_box():
     made = row("one", cupboard, 0.6, 0.4, 0.8).having(follows={"knob": 2}, knob=0.03)
-    part = next(link for link in made.design((0.6, 0.4, 1.6)).build("x").robot.links
-                if link.name == "knob")  # fmt: skip
+    part = next(
+        link for link in made.design((0.6, 0.4, 1.6)).build("x").robot.links if link.name == "knob"
+    )
     assert np.ptp(part.hulls[0].vertices[:, 0]) == pytest.approx(0.12)
 
 

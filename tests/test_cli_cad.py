@@ -131,10 +131,9 @@ def test_models_come_in_and_are_listed(isr, tmp_path):
         + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
     )
     library = tmp_path / "library"
-    status, out, _ = isr(
-        "cad", "add", tmp_path / "in", "--library", library, "--unit-m", "0.001", "--up", 0, 0, 1,
-        "--class", "table", "--licence", "CC0-1.0", "--workers", 0,
-    )  # fmt: skip
+    frame = ("--unit-m", "0.001", "--up", 0, 0, 1)
+    rest = ("--class", "table", "--licence", "CC0-1.0", "--workers", 0)
+    status, out, _ = isr("cad", "add", tmp_path / "in", "--library", library, *frame, *rest)
     assert status == 0 and "1 models added" in out
     listed = isr("cad", "list", library)[1]
     assert "60 x 40 x 50" in listed and "CC0-1.0" in listed

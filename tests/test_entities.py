@@ -130,9 +130,13 @@ def test_two_faces_of_a_cabinet_give_its_yaw(yaw):
     local = mesh.normals @ rotation_z(yaw)
     seen = submesh(mesh, (local[:, 0] > 0.7) | (local[:, 1] > 0.7))
     box = gravity_box(
-        seen.vertices, TRIM, 2 * VOXEL_M, VOXEL_M,
-        facing=facing_direction(seen.normals), weight=SETTINGS.box_normal_weight,
-    )  # fmt: skip
+        seen.vertices,
+        TRIM,
+        2 * VOXEL_M,
+        VOXEL_M,
+        facing=facing_direction(seen.normals),
+        weight=SETTINGS.box_normal_weight,
+    )
     assert abs(float(box.yaw) - yaw) < 0.03
     assert np.allclose(box.size, size, atol=0.03)
 
@@ -169,8 +173,12 @@ def test_kernel_equals_its_twin_on_the_same_draws():
 
 def find(mesh, **changes):
     given = {
-        "threshold_m": 0.03, "min_ratio": 0.1, "max_planes": 8, "iterations": 200, "seed": 0,
-    }  # fmt: skip
+        "threshold_m": 0.03,
+        "min_ratio": 0.1,
+        "max_planes": 8,
+        "iterations": 200,
+        "seed": 0,
+    }
     return find_planes(mesh, **(given | changes))
 
 
@@ -320,11 +328,16 @@ def test_a_floor_nobody_labelled_is_replaced_and_said(caplog):
 def test_an_empty_surface_has_no_entities():
     empty = PanopticSurface(
         Mesh(
-            np.zeros((0, 3), np.float32), np.zeros((0, 3), np.int32),
-            np.zeros((0, 3), np.uint8), np.zeros((0, 3), np.float32),
+            np.zeros((0, 3), np.float32),
+            np.zeros((0, 3), np.int32),
+            np.zeros((0, 3), np.uint8),
+            np.zeros((0, 3), np.float32),
         ),
-        np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0, np.int32), VOXEL_M,
-    )  # fmt: skip
+        np.zeros(0, np.int32),
+        np.zeros(0, np.int32),
+        np.zeros(0, np.int32),
+        VOXEL_M,
+    )
     assert len(extract_entities(empty, np.eye(4), SETTINGS)) == 0
 
 

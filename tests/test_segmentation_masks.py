@@ -40,8 +40,16 @@ def room_ids(shift: int = 0) -> np.ndarray:
     return ids
 
 
-NAMES = {1: "floor", 2: "wall", 70000: "table", 300: "cup", 301: "book", 302: "cup", 303: "bottle",
-         304: "chair"}  # fmt: skip
+NAMES = {
+    1: "floor",
+    2: "wall",
+    70000: "table",
+    300: "cup",
+    301: "book",
+    302: "cup",
+    303: "bottle",
+    304: "chair",
+}
 OURS = [{"id": k, "name": n} for k, n in enumerate(sorted(set(NAMES.values())))]
 CLASSES_OF = {i: next(c["id"] for c in OURS if c["name"] == n) for i, n in NAMES.items()}
 

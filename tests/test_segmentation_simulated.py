@@ -107,10 +107,19 @@ def test_rates_by_hand():
     # the wrong class. Two boxes of 20x20 side by side get one mask of 800: IoU 1/2 with each, both
     # missed, a merge and a false mask. A table of 20x40 falls in 20x30 (IoU 3/4, a hit, right) and
     # 20x10 (false). The cup of 9x11 < 100 pixels is not asked for.
-    true = masks_of(("chair", 0, 0, 20, 20), ("box", 40, 0, 20, 20), ("box", 40, 20, 20, 20),
-                    ("table", 80, 0, 20, 40), ("cup", 120, 0, 9, 11))  # fmt: skip
-    found = masks_of(("stool", 0, 4, 20, 20), ("box", 40, 0, 20, 40), ("table", 80, 0, 20, 30),
-                     ("table", 80, 30, 20, 10))  # fmt: skip
+    true = masks_of(
+        ("chair", 0, 0, 20, 20),
+        ("box", 40, 0, 20, 20),
+        ("box", 40, 20, 20, 20),
+        ("table", 80, 0, 20, 40),
+        ("cup", 120, 0, 9, 11),
+    )
+    found = masks_of(
+        ("stool", 0, 4, 20, 20),
+        ("box", 40, 0, 20, 40),
+        ("table", 80, 0, 20, 30),
+        ("table", 80, 30, 20, 10),
+    )
     rates = measured_rates(Fixed(true, found), Fixed(true), [frame(0), frame(1)])
     assert (rates.frames, rates.things, rates.hits) == (2, 8, 4)
     assert (rates.recall, rates.right_class) == (0.5, 0.5)
@@ -144,8 +153,9 @@ def hit_shares(truth, level="medium", frames=120, **options) -> np.ndarray:
 
 def test_misses_fall_on_small_and_cut_things_first():
     # A large thing, a like one cut by the border, a small one: all apart from each other.
-    room = Fixed(masks_of(("plant", 60, 60, 60, 60), ("cup", 60, 260, 60, 60),
-                          ("book", 180, 120, 20, 20)))  # fmt: skip
+    room = Fixed(
+        masks_of(("plant", 60, 60, 60, 60), ("cup", 60, 260, 60, 60), ("book", 180, 120, 20, 20))
+    )
     large, cut, small = hit_shares(room)
     # By rank 5/6, 3/6, 1/6: 0.5 + 0.45 * (2 rank - 1) = 0.8, 0.5, 0.2; two deviations are 0.09.
     assert (large, cut, small) == pytest.approx((0.8, 0.5, 0.2), abs=0.1)

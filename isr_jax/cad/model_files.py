@@ -63,6 +63,9 @@ def save_model(model: CadModel, root: Path) -> Path:
     """Write a model into ``root/<class>/<name>/``; returns that folder.
 
     Mesh files of an older model in that folder go.
+
+    Raises:
+        OutputError: The folder cannot be written.
     """
     folder, files = root / model.id, model_files(model)
     path = folder
@@ -88,7 +91,11 @@ def load_model(folder: Path, root: Path) -> CadModel:
 
 
 def read_model(folder: Path) -> tuple[Record, RobotModel]:
-    """Record and robot of a model folder, held against each other and the content hash."""
+    """Record and robot of a model folder, held against each other and the content hash.
+
+    Raises:
+        LibraryError: A file is missing or damaged, or one says other than the rest.
+    """
     record = read_record(folder)
     path = folder / "model.json"
     with _unusable(folder, path):
@@ -99,7 +106,11 @@ def read_model(folder: Path) -> tuple[Record, RobotModel]:
 
 
 def read_record(folder: Path) -> Record:
-    """``model.json`` of a folder, checked by itself; no other file is read."""
+    """``model.json`` of a folder, checked by itself; no other file is read.
+
+    Raises:
+        LibraryError: It is missing, is no JSON, or says what no model can be.
+    """
     path = folder / "model.json"
     with _unusable(folder, path):
         record = json.loads(path.read_text("utf-8"))

@@ -38,7 +38,11 @@ class Label:
 
 @functools.cache
 def label_list(label_set: str) -> tuple[Label, ...]:
-    """All labels of a set of `LABEL_SETS`, in official order."""
+    """All labels of a set of `LABEL_SETS`, in official order.
+
+    Raises:
+        ClassError: There is no such set.
+    """
     if label_set not in LABEL_SETS:
         raise ClassError(f"unknown label set {label_set!r}", f"use one of: {', '.join(LABEL_SETS)}")
     file = resources.files("isr_jax.classes").joinpath(

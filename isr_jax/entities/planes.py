@@ -53,11 +53,17 @@ def find_planes(
     normal, offset, count = (
         np.asarray(field)
         for field in peel_planes(
-            points, normals, valid, jax.random.key(seed), np.float32(threshold_m),
-            np.float32(NORMAL_COSINE), np.float32(min_ratio), np.int32(max_planes),
+            points,
+            normals,
+            valid,
+            jax.random.key(seed),
+            np.float32(threshold_m),
+            np.float32(NORMAL_COSINE),
+            np.float32(min_ratio),
+            np.int32(max_planes),
             iterations=iterations,
         )
-    )  # fmt: skip
+    )
     live, found = usable.copy(), []
     for k in np.flatnonzero(count):
         plane = _refit(mesh, live, normal[k], float(offset[k]) - normal[k] @ center, threshold_m)

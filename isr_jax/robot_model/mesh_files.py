@@ -14,7 +14,11 @@ from .obj import material_library, obj_text, read_obj_text
 
 
 def mesh_contents(mesh: Mesh, stem: str, texture: Texture | None = None) -> dict[str, bytes]:
-    """Contents by file name: ``<stem>.obj`` and, with a texture, ``<stem>.mtl`` and its image."""
+    """Contents by file name: ``<stem>.obj`` and, with a texture, ``<stem>.mtl`` and its image.
+
+    Raises:
+        OutputError: The mesh has a texture and no uv, or the texture a name that fits no file.
+    """
     if texture is None:
         return {f"{stem}.obj": obj_text(mesh).encode()}
     if mesh.uv is None:

@@ -37,8 +37,11 @@ def mtl_text(material: str, image: str) -> str:
 
 def image_of_mtl(text: str) -> str:
     """File name of the image that an MTL of one material names, beside it; else ValueError."""
-    names = [line.removeprefix("map_Kd ").strip() for line in text.splitlines()
-             if line.startswith("map_Kd ")]  # fmt: skip
+    names = [
+        line.removeprefix("map_Kd ").strip()
+        for line in text.splitlines()
+        if line.startswith("map_Kd ")
+    ]
     if len(names) != 1 or not _NAME.fullmatch(names[0]):
         raise ValueError("it names not one image that lies beside it")
     return names[0]

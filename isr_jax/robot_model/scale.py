@@ -17,6 +17,9 @@ def scaled(model: RobotModel, alpha: float) -> RobotModel:
     Meshes, joint origins, slide ranges and centres of mass grow by alpha, masses by alpha^3,
     inertias by alpha^5. Angles, damping and friction stay. Three different factors would shear
     the hinges, so there is one.
+
+    Raises:
+        SettingError: ``alpha`` is not positive and finite.
     """
     if not (np.isfinite(alpha) and alpha > 0):
         raise SettingError(f"scale {alpha!r} of {model.name}", "give a positive, finite factor")

@@ -41,13 +41,20 @@ def robot_elements(model: RobotModel, prefix: str, mesh_uri: MeshUri) -> list[El
         model: What to write.
         prefix: Put before every link and joint name, so that many models share one file.
         mesh_uri: Called for every mesh that is written, in a fixed order.
+
+    Raises:
+        OutputError: A name does not fit URDF.
     """
     links = [_link_element(link, prefix, mesh_uri) for link in model.links]
     return links + [joint_element(joint, prefix) for joint in model.joints]
 
 
 def urdf_files(model: RobotModel) -> dict[str, bytes]:
-    """Contents by relative path: ``model.urdf``, and OBJ, MTL and image files in ``meshes/``."""
+    """Contents by relative path: ``model.urdf``, and OBJ, MTL and image files in ``meshes/``.
+
+    Raises:
+        OutputError: A name does not fit URDF, or two meshes have one.
+    """
     files: dict[str, bytes] = {}
 
     def mesh_uri(mesh: Mesh, stem: str, texture: Texture | None) -> str:
@@ -68,7 +75,11 @@ def urdf_files(model: RobotModel) -> dict[str, bytes]:
 
 
 def write_urdf(model: RobotModel, folder: Path) -> Path:
-    """Write ``model.urdf`` and ``meshes/`` into a folder; the same model gives the same bytes."""
+    """Write ``model.urdf`` and ``meshes/`` into a folder; the same model gives the same bytes.
+
+    Raises:
+        OutputError: The folder cannot be written, a name does not fit URDF, or two meshes have one.
+    """
     for name, content in urdf_files(model).items():
         path = folder / name
         try:
@@ -128,7 +139,11 @@ def _hull_element(hull: Mesh, name: str, mesh_uri: MeshUri) -> Element:
 
 
 def joint_element(joint: Joint, prefix: str = "") -> Element:
-    """The ``<joint>`` element of one joint."""
+    """The ``<joint>`` element of one joint.
+
+    Raises:
+        OutputError: A name does not fit URDF.
+    """
     element = ET.Element("joint", name=_checked(prefix + joint.name), type=joint.kind)
     T = np.asarray(joint.T_parent_child)
     ET.SubElement(element, "origin", xyz=_row(T[:3, 3]), rpy=_row(_rpy(T[:3, :3])))

@@ -38,7 +38,12 @@ class FileMasks:
         return self.read(frame)[0]
 
     def read(self, frame: Frame) -> tuple[PanopticFrame, Int[np.ndarray, " masks"]]:
-        """The masks of a frame, and the id in the file of each of their rows (0 for row 0)."""
+        """The masks of a frame, and the id in the file of each of their rows (0 for row 0).
+
+        Raises:
+            FrameError: The frame has no annotation, or its PNG is missing, of another size, or
+                holds a segment that is not listed.
+        """
         annotation = self._index.annotations.get(frame.name)
         if annotation is None:
             raise FrameError(

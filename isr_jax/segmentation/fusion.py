@@ -75,9 +75,12 @@ def label_segments(
     if settings.remove_outliers:
         is_thing = kinds[pieces.mask] == "thing"
         is_stray = is_thing & ~largest_clusters(
-            frame.depth_m, frame.camera, pieces.piece, np.where(is_thing, pieces.mask, 0),
+            frame.depth_m,
+            frame.camera,
+            pieces.piece,
+            np.where(is_thing, pieces.mask, 0),
             settings.cluster_distance_m,
-        )  # fmt: skip
+        )
     return _assemble(pieces, is_small, is_stray, mask_class)
 
 

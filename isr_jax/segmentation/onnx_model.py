@@ -20,7 +20,11 @@ _MAX_BATCH = 8
 
 
 class OnnxModel:
-    """One ONNX model with its session, opened once and checked against its sidecar."""
+    """One ONNX model with its session, opened once and checked against its sidecar.
+
+    Raises:
+        SegmenterError: There is no such model or no sidecar, or the two do not fit each other.
+    """
 
     def __init__(self, path: Path | str, *, provider: str = "auto", threads: int = 0) -> None:
         self.path = Path(path)
@@ -41,7 +45,11 @@ class OnnxModel:
     def batch(
         self, images: Sequence[UInt8[np.ndarray, "height width 3"]]
     ) -> list[dict[str, np.ndarray]]:
-        """The outputs of each image. They go in together as far as the model takes several."""
+        """The outputs of each image. They go in together as far as the model takes several.
+
+        Raises:
+            SegmenterError: The model failed on them.
+        """
         found, size = [], self.batch_size or min(len(images), _MAX_BATCH)
         for start in range(0, len(images), max(size, 1)):
             some = [prepare(image, self.sidecar) for image in images[start : start + size]]

@@ -39,6 +39,10 @@ def open_segmenter(
         settings: Of this stage; the defaults if None. ``onnx_provider`` and ``onnx_threads`` say
             where models run.
         seed: Of the simulated segmenter.
+
+    Raises:
+        SegmenterError: ``spec`` names nothing that is known or there, or models that do not go
+            together.
     """
     sequence_dir, settings = Path(sequence_dir), settings or SegmentationSettings()
     head, _, rest = spec.partition(":")

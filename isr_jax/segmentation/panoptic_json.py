@@ -41,7 +41,11 @@ class _Category:
 
 
 def find_json(path: Path) -> Path:
-    """The JSON file that ``path`` is or holds: ``panoptic.json``, or the one ``panoptic*.json``."""
+    """The JSON file that ``path`` is or holds: ``panoptic.json``, or the one ``panoptic*.json``.
+
+    Raises:
+        SegmenterError: The folder holds several.
+    """
     if path.suffix == ".json" or (path / "panoptic.json").is_file():
         return path if path.suffix == ".json" else path / "panoptic.json"
     found = sorted(path.glob("panoptic*.json"))
@@ -54,7 +58,11 @@ def find_json(path: Path) -> Path:
 
 
 def read_index(path: Path) -> PanopticIndex:
-    """Read and check a COCO panoptic JSON file before any frame is asked for."""
+    """Read and check a COCO panoptic JSON file before any frame is asked for.
+
+    Raises:
+        SegmenterError: It is missing, is no JSON, or does not follow the format.
+    """
     content = _read_json(path)
     _check_members(content, path)
     categories = _categories(content["categories"], path)

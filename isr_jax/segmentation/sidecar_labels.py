@@ -18,6 +18,9 @@ def read_labels(content: dict[str, Any], source: str) -> tuple[tuple[int, ...], 
     Either ``labels``, a list of our names ("" = none), or ``label_set``. With ``label_order``
     "ids" (the default) label k of the model is the one of that id, and there are ``label_count``
     of them; with "listed" it is the k-th of the official list, counted from 0.
+
+    Raises:
+        SegmenterError: A class or a label set is unknown, or ``label_count`` is too small.
     """
     try:
         if "labels" in content:

@@ -31,6 +31,9 @@ class SimulatedSegmenter:
     image's border or, where ``views`` says so, occluded; misses, merges, splits and wrong classes
     last over neighbouring frames. Instances of layout and stuff become one mask a class. Rows
     change from frame to frame. The same frame name and seed give the same masks.
+
+    Raises:
+        SegmenterError: There is no such level.
     """
 
     def __init__(

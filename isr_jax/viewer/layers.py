@@ -33,7 +33,11 @@ _NAME_ABOVE_M = 0.03
 
 
 def add_models(server: Any, scene: SceneFile, result_dir: Path) -> list[Any]:
-    """What stands in the room: models, kept scans, layout."""
+    """What stands in the room: models, kept scans, layout.
+
+    Raises:
+        SceneError: ``scene.glb`` is missing.
+    """
     path = result_dir / "scene.glb"
     if not path.exists():
         raise SceneError(f"{path} is missing", "write the scene again with `isr run`")

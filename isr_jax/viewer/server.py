@@ -37,7 +37,11 @@ def view(result_dir: str | Path, *, port: int = 8080, host: str = "127.0.0.1") -
 
 
 def build_view(result_dir: str | Path, *, port: int = 8080, host: str = "127.0.0.1") -> Any:
-    """Start a viser server that shows the folder, and return it; ``stop()`` ends it."""
+    """Start a viser server that shows the folder, and return it; ``stop()`` ends it.
+
+    Raises:
+        OutputError: viser is not installed.
+    """
     result_dir = Path(result_dir)
     scene = read_scene(result_dir / "scene.json")
     viser = _viser()

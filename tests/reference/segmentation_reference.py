@@ -97,17 +97,22 @@ def piece_labels(segment, mask, kinds, small_px, settings):
         count = {m: np.count_nonzero(here & (mask == m)) for m in range(len(kinds))}
         total = {m: np.count_nonzero(mask == m) for m in range(len(kinds))}
         cut = {
-            m for m in count
-            if m and apart(kinds[m]) and count[m] >= settings.min_piece_px
+            m
+            for m in count
+            if m
+            and apart(kinds[m])
+            and count[m] >= settings.min_piece_px
             and count[m] > settings.mask_in_segment_ratio * total[m]
             and count[m] < settings.cut_out_ratio * area
-        }  # fmt: skip
+        }
         split = {
-            m for m in count
-            if m and count[m] >= settings.min_piece_px
+            m
+            for m in count
+            if m
+            and count[m] >= settings.min_piece_px
             and count[m] >= settings.split_ratio * area
             and count[m] >= settings.split_mask_ratio * total[m]
-        }  # fmt: skip
+        }
         left = {m: n for m, n in count.items() if m not in cut}
         rest_area = sum(left.values())
         best = max((m for m in left if m), key=lambda m: (left[m], -m), default=0)

@@ -33,7 +33,13 @@ _Direction = tuple[float, float, float]
 
 @dataclasses.dataclass(frozen=True)
 class AddOptions:
-    """What the caller knows better than the files, and bounds."""
+    """What the caller knows better than the files, and bounds.
+
+    Raises:
+        ClassError: There is no class of that name.
+        SettingError: A direction has no length, `up` and `front` are one line, or a unit is not
+            positive.
+    """
 
     class_name: str | None = None
     """Of all models; None: from the file, or guessed."""
@@ -108,6 +114,7 @@ def add_models(
     Raises:
         LibraryError: No such path, or nothing in it that could be a model.
         OutputError: The library folder cannot be written.
+        SettingError: `workers` is negative.
     """
     options, library = options or AddOptions(), Path(library_dir)
     if workers is not None and workers < 0:

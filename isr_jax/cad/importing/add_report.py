@@ -85,7 +85,11 @@ def _class_table(report: AddReport) -> Table:
 
 
 def write_report(report: AddReport, library_dir: Path) -> Path:
-    """Write ``import_report.json``: this call's models, and those of earlier calls."""
+    """Write ``import_report.json``: this call's models, and those of earlier calls.
+
+    Raises:
+        OutputError: The file cannot be written.
+    """
     path = library_dir / REPORT_NAME
     known = _read(path)
     fresh = {item.source for item in (*report.accepted, *report.rejected)}

@@ -118,7 +118,11 @@ def split(low: float, high: float, count: int) -> list[float]:
 
 
 def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Solid:
-    """An axis-aligned box between the given bounds."""
+    """An axis-aligned box between the given bounds.
+
+    Raises:
+        SettingError: A lower bound is not below its upper one.
+    """
     _refuse_empty(x, y, z)
     low, high = np.array([x[0], y[0], z[0]]), np.array([x[1], y[1], z[1]])
     corners = [[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
@@ -158,6 +162,9 @@ def frustum(
     """An upright round piece, its radius going from ``radii[0]`` at the bottom to ``radii[1]``.
 
     Either may be two half-widths (x, y); both ends have equal proportions then.
+
+    Raises:
+        SettingError: The lower height is not below the upper one.
     """
     _refuse_empty(z)
     ends = [
@@ -169,9 +176,10 @@ def frustum(
 
 
 def tapered_box(
-    bottom: tuple[float, float, float, float], top: tuple[float, float, float, float],
+    bottom: tuple[float, float, float, float],
+    top: tuple[float, float, float, float],
     z: tuple[float, float],
-) -> Solid:  # fmt: skip
+) -> Solid:
     """A six-sided piece between two level rectangles (x0, x1, y0, y1) of equal proportions."""
     rows = [
         [(x0, y0, h), (x1, y0, h), (x1, y1, h), (x0, y1, h)]

@@ -112,11 +112,14 @@ def _both_sides(skin: Skin, two_sided: np.ndarray, patch: np.ndarray) -> _Faces:
 def _bin_areas(faces: _Faces) -> np.ndarray:
     """For each face the area of all faces with nearly its normal and offset, in coarse bins."""
     offset = np.einsum("fc,fc->f", faces.normal, faces.corners.mean(1))
-    keys = np.concatenate([
-        np.round(faces.normal * _NORMAL_STEPS),
-        np.round(offset / _OFFSET_STEP_M)[:, None],
-        faces.link[:, None],
-    ], axis=1).astype(np.int64)  # fmt: skip
+    keys = np.concatenate(
+        [
+            np.round(faces.normal * _NORMAL_STEPS),
+            np.round(offset / _OFFSET_STEP_M)[:, None],
+            faces.link[:, None],
+        ],
+        axis=1,
+    ).astype(np.int64)
     keys -= keys.min(0)
     one = np.zeros(len(keys), np.int64)
     for column, width in zip(keys.T, keys.max(0) + 1):

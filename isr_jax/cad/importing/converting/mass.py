@@ -128,8 +128,9 @@ def _with_mass(link: Link, mass_kg: float, class_name: str) -> Link:
     if _is_sound(link, mass_kg, inertia):
         com, inertia = link.com, link.inertia
     friction = _FRICTION.get(class_name, _USUAL_FRICTION)
-    return dataclasses.replace(link, mass_kg=float(mass_kg), com=com, inertia=inertia,
-                               friction=friction)  # fmt: skip
+    return dataclasses.replace(
+        link, mass_kg=float(mass_kg), com=com, inertia=inertia, friction=friction
+    )
 
 
 def _is_sound(link: Link, mass_kg: float, shell: np.ndarray) -> bool:
@@ -158,9 +159,9 @@ def _shell(link: Link, mass_kg: float) -> tuple[Float[np.ndarray, "3"], Float[np
     The second moment of a triangle of area A with corners v is A/12 (sum v v^T + s s^T), s = sum v.
     """
     meshes = _meshes(link)
-    corners = np.concatenate([
-        np.zeros((0, 3, 3)), *(m.vertices.astype(np.float64)[m.faces] for m in meshes)
-    ])  # fmt: skip
+    corners = np.concatenate(
+        [np.zeros((0, 3, 3)), *(m.vertices.astype(np.float64)[m.faces] for m in meshes)]
+    )
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(cross, axis=1) / 2
     least = mass_kg * _THICKNESS_M**2 / 6 * np.eye(3)

@@ -41,8 +41,10 @@ def with_root_moved(
     inertias follow.
     """
     root = robot.links[0].name
-    links = [_moved_link(link, scale, *((R, t) if link.name == root else (np.eye(3), np.zeros(3))))
-             for link in robot.links]  # fmt: skip
+    links = [
+        _moved_link(link, scale, *((R, t) if link.name == root else (np.eye(3), np.zeros(3))))
+        for link in robot.links
+    ]
     joints = [_moved_joint(j, scale, R if j.parent == root else None, t) for j in robot.joints]
     return RobotModel(robot.name, tuple(links), tuple(joints))
 
@@ -85,8 +87,15 @@ def stretched(robot: RobotModel, A: Float[np.ndarray, "3 3"]) -> RobotModel:
         ]
         hulls += [transformed(hull, B, t) for hull in link.hulls]
     root = robot.links[0]
-    one = Link(root.name, tuple(visuals), tuple(hulls), robot.mass_kg, np.zeros(3),
-               np.zeros((3, 3)), root.friction)  # fmt: skip
+    one = Link(
+        root.name,
+        tuple(visuals),
+        tuple(hulls),
+        robot.mass_kg,
+        np.zeros(3),
+        np.zeros((3, 3)),
+        root.friction,
+    )
     return RobotModel(robot.name, (one,), ())
 
 

@@ -103,9 +103,9 @@ def _seen_sides(skin: Skin) -> tuple[np.ndarray, np.ndarray]:
     directions = rng.normal(size=(_RAYS, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     low, high = skin.vertices.min(0), skin.vertices.max(0)
-    targets = np.concatenate([
-        skin.samples(_RAYS // 2), rng.uniform(low, high, size=(_RAYS - _RAYS // 2, 3))
-    ])  # fmt: skip
+    targets = np.concatenate(
+        [skin.samples(_RAYS // 2), rng.uniform(low, high, size=(_RAYS - _RAYS // 2, 3))]
+    )
     reach = float(np.linalg.norm(high - low))
     hits = skin.rays.cast(targets - 2 * reach * directions, directions)
     hit = hits.triangle >= 0

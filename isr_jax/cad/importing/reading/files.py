@@ -90,6 +90,7 @@ class FolderFiles:
         return tuple(posixpath.join(folder, name) for name in found)
 
     def read(self, name: str) -> bytes:
+        """Content of a file; raises `LibraryError` where it is outside, too large or unreadable."""
         path = self._root / within("", name)
         if not path.resolve().is_relative_to(self._root.resolve()):
             problem = f"{shown(name)} is a link to outside of {self.label}"
@@ -107,7 +108,11 @@ class FolderFiles:
 
 
 class ZipFiles:
-    """Files of a ZIP archive, which is never unpacked to disk."""
+    """Files of a ZIP archive, which is never unpacked to disk.
+
+    Raises:
+        LibraryError: It is no ZIP, or holds too many files.
+    """
 
     def __init__(self, source: Path | bytes, label: str, limits: ReadLimits) -> None:
         self.label, self._limits = shown(label), limits
@@ -141,6 +146,7 @@ class ZipFiles:
         return tuple(name for name in self.names if posixpath.dirname(name) == folder)
 
     def read(self, name: str) -> bytes:
+        """Content of a file; raises `LibraryError` where it is missing, too large or damaged."""
         entry = self._entries.get(within("", name))
         if entry is None:
             problem = f"{self.label} holds no {shown(name)}"
@@ -181,7 +187,11 @@ def open_files(path: Path, limits: ReadLimits) -> Files:
 
 
 def check_size(name: str, size_bytes: int, limits: ReadLimits) -> None:
-    """Refuse a file that is too large to be read."""
+    """Refuse a file that is too large to be read.
+
+    Raises:
+        LibraryError: It is larger than ``limits`` allow.
+    """
     if size_bytes > limits.max_file_mb * 1e6:
         problem = f"{shown(name)} has {size_bytes / 1e6:.0f} MB, above {limits.max_file_mb:g}"
         raise LibraryError(problem, "raise max_file_mb if it is meant to be so large")
@@ -194,6 +204,9 @@ def within(folder: str, reference: str, root: str = "") -> str:
         folder: Of the file that refers, below the root.
         reference: As the file has it.
         root: The root folder's own name: out of it and into it again is inside.
+
+    Raises:
+        LibraryError: It leads out of the root.
     """
     name = posixpath.normpath(posixpath.join(folder, reference.replace("\\", "/")))
     if root and name.startswith(f"../{root}/"):

@@ -32,6 +32,9 @@ def check_content(content: bytes, name: str, limits: ReadLimits) -> None:
     """Refuse what is no mesh of its ending, is cut off, or claims too many triangles.
 
     Nothing is decoded, so that a file that claims 50 million triangles costs nothing.
+
+    Raises:
+        LibraryError: It is one of these, or empty.
     """
     ending = name.rsplit(".", 1)[-1].lower()
     if not content.strip():
@@ -75,7 +78,11 @@ def _stl_faces(content: bytes, name: str) -> int:
 
 
 def check_stl_length(content: bytes, name: str) -> None:
-    """Refuse a binary STL that is shorter than its triangles; tested after their number."""
+    """Refuse a binary STL that is shorter than its triangles; tested after their number.
+
+    Raises:
+        LibraryError: It is shorter.
+    """
     if content.lstrip()[:5] == b"solid" and b"facet" in content[:2000]:
         return
     wants = _STL_HEADER + _STL_TRIANGLE * struct.unpack_from("<I", content, 80)[0]
@@ -120,7 +127,11 @@ def _gltf_triangles(content: bytes, name: str) -> int:
 
 
 def gltf_tree(content: bytes, name: str) -> dict[str, Any]:
-    """The JSON of a glTF."""
+    """The JSON of a glTF.
+
+    Raises:
+        LibraryError: It is no JSON object.
+    """
     try:
         tree = json.loads(content)
     except (ValueError, RecursionError) as error:

@@ -78,7 +78,11 @@ def cleaned(part: MeshPart, source: str) -> MeshPart:
 
 
 def check_finite(vertices: Float[np.ndarray, "vertices 3"], source: str) -> None:
-    """Refuse vertices that are not finite, or farther than anything is."""
+    """Refuse vertices that are not finite, or farther than anything is.
+
+    Raises:
+        LibraryError: There is such a vertex.
+    """
     bad = ~(np.abs(vertices) < _FARTHEST).all(1)
     if bad.any():
         problem = f"{source}: {int(bad.sum())} vertices are not finite"

@@ -26,7 +26,11 @@ _LICENCE = "ShapeNet terms of use: research and education, not to be passed on"
 
 
 def metadata_rows(files: Files, name: str) -> dict[str, dict[str, str]] | None:
-    """Rows of a metadata table by the OBJ's stem; None where a CSV is another table."""
+    """Rows of a metadata table by the OBJ's stem; None where a CSV is another table.
+
+    Raises:
+        LibraryError: It is no table that can be read.
+    """
     content = files.read(name)
     try:
         text = content.decode("utf-8-sig")

@@ -62,8 +62,10 @@ def fridge(
     split = [round(v, 3) for v in np.linspace(-x, x, len(columns) + 1)]
     for i, column in enumerate(columns):
         left, right = split[i], split[i + 1]
-        room = (inner[0] if i == 0 else left + wall / 2,
-                inner[1] if i == len(columns) - 1 else right - wall / 2)  # fmt: skip
+        room = (
+            inner[0] if i == 0 else left + wall / 2,
+            inner[1] if i == len(columns) - 1 else right - wall / 2,
+        )
         if i:
             divider = (left - wall / 2, left + wall / 2)
             builder.add(

@@ -51,8 +51,13 @@ class _Shape:
         """Profile of the lid as it stands: (behind the axis, above the axis)."""
         near, far = _GAP_M / 2, _GAP_M / 2 + self.lid
         cos, sin = math.cos(self.open_rad), math.sin(self.open_rad)
-        points = [(self.reach, near), (self.reach, far), (-_BAR_M, far), (-_BAR_M, -_BAR_M),
-                  (_BAR_M, -_BAR_M)]  # fmt: skip
+        points = [
+            (self.reach, near),
+            (self.reach, far),
+            (-_BAR_M, far),
+            (-_BAR_M, -_BAR_M),
+            (_BAR_M, -_BAR_M),
+        ]
         return [(e * sin - d * cos, d * sin + e * cos) for d, e in points]
 
     @property
@@ -106,6 +111,9 @@ def laptop(
     The lid is as long as the base, so the box alone says how far it stands open; there its joint is
     at zero, closed at its lower limit. A ``closed`` one has its lid down at zero, and ``lid`` says
     how the height is shared.
+
+    Raises:
+        SettingError: No angle of the lid fills depth and height.
     """
     builder = ModelBuilder("laptop", symmetry=1)
     if closed:
@@ -120,9 +128,16 @@ def laptop(
     widest = max(_WIDEST_RAD, shape.open_rad + 0.1)
     behind, above = shape.corners[0]
     friction = _holding_nm(width, shape, shell)
-    builder.hinge("lid", (0.0, 0.0, shape.axis_z), (-1, 0, 0), round(widest - shape.open_rad, 4),
-                  lower_rad=-shape.open_rad, damping=0.05, friction=friction,
-                  at=(0.0, behind, shape.axis_z + above))  # fmt: skip
+    builder.hinge(
+        "lid",
+        (0.0, 0.0, shape.axis_z),
+        (-1, 0, 0),
+        round(widest - shape.open_rad, 4),
+        lower_rad=-shape.open_rad,
+        damping=0.05,
+        friction=friction,
+        at=(0.0, behind, shape.axis_z + above),
+    )
     return builder
 
 
@@ -139,8 +154,9 @@ def _add_lid(builder: ModelBuilder, x: float, shape: _Shape, shell: m.Material) 
     inner, screen = (-x + rim, x - rim), (front + rim, rear - 0.02)
     face = (near, near + t)
     parts = [(shell, box((-x, x), (front, rear), (near + t, far)))]
-    parts += [(m.BLACK_PLASTIC, box(a, (front, rear), face)) for a in ((-x, inner[0]),
-                                                                       (inner[1], x))]  # fmt: skip
+    parts += [
+        (m.BLACK_PLASTIC, box(a, (front, rear), face)) for a in ((-x, inner[0]), (inner[1], x))
+    ]
     parts += [
         (m.BLACK_PLASTIC, box(inner, (front, screen[0]), face)),
         (m.BLACK_PLASTIC, box(inner, (screen[1], rear), face)),
@@ -203,8 +219,11 @@ def _spans(block: Bounds, row: int, rows: int, index: int) -> list[Bounds]:
     """Strips of one row of a block: the space bar stands alone, arrows have a free row behind."""
     a, wide = block[0], block[1] - block[0]
     if index == 0 and row == 0:
-        return [(a, a + 0.24 * wide), (a + 0.25 * wide, a + 0.68 * wide),
-                (a + 0.69 * wide, a + wide)]  # fmt: skip
+        return [
+            (a, a + 0.24 * wide),
+            (a + 0.25 * wide, a + 0.68 * wide),
+            (a + 0.69 * wide, a + wide),
+        ]
     if index == 0 and row == rows - 1:
         groups = [(0.0, 0.06), (0.12, 0.38), (0.42, 0.68), (0.72, 1.0)]
         return [(a + u * wide, a + v * wide) for u, v in groups]

@@ -109,8 +109,15 @@ def _add_sheet_drawer(builder, panel: Space, room: Space, look: OvenLook, door_h
     builder.add(m.THIN_STEEL, *sides, link=name)
     reach = 0.03
     at = ((x0 + x1) / 2, front[0], panel[2][1] - 0.04)
-    add_bar_handle(builder, at, round(0.4 * (x1 - x0), 3), upright=False, link=name,
-                   material=look.handle, reach=reach)  # fmt: skip
+    add_bar_handle(
+        builder,
+        at,
+        round(0.4 * (x1 - x0), 3),
+        upright=False,
+        link=name,
+        material=look.handle,
+        reach=reach,
+    )
     # The bar of the open door hangs this far before the front.
     free = door_height - 0.075 - reach - 0.02
     travel = round(min(0.75 * (end - front[1]), free), 2)
@@ -144,8 +151,9 @@ def built_in_oven(
     add_down_door(builder, slab, look)
     spans = ((-x + 0.02, display[0] - 0.02), (display[1] + 0.02, x - 0.02))
     counts = (knobs // 2, knobs - knobs // 2)
-    add_knob_row(builder, spans, -y, height - panel / 2, counts, 0.023, sides=sides,
-                 material=look.frame)  # fmt: skip
+    add_knob_row(
+        builder, spans, -y, height - panel / 2, counts, 0.023, sides=sides, material=look.frame
+    )
     return builder
 
 

@@ -24,8 +24,16 @@ def _column(at: Point, half: float, height: float) -> Solid:
     x, y, z = at
     c = 0.3 * half
     corner = half - c
-    outline = [(-corner, -half), (corner, -half), (half, -corner), (half, corner),
-               (corner, half), (-corner, half), (-half, corner), (-half, -corner)]  # fmt: skip
+    outline = [
+        (-corner, -half),
+        (corner, -half),
+        (half, -corner),
+        (half, corner),
+        (corner, half),
+        (-corner, half),
+        (-half, corner),
+        (-half, -corner),
+    ]
     return prism([(x + dx, y + dy) for dx, dy in outline], "z", (z, z + height))
 
 
@@ -52,8 +60,15 @@ def add_mixer(
     name, top = _new(builder, "lever"), z + height + _GAP_M
     plate = box((x - 0.014, x + 0.014), (y - half - 0.05, y + half), (top, top + 0.01))
     builder.add(metal, plate, link=name, handle=True)
-    builder.hinge(name, (x, y + half, top), (-1, 0, 0), _LEVER_RAD, damping=0.02, friction=0.15,
-                  at=(x, y - half - 0.05, top + 0.005))  # fmt: skip
+    builder.hinge(
+        name,
+        (x, y + half, top),
+        (-1, 0, 0),
+        _LEVER_RAD,
+        damping=0.02,
+        friction=0.15,
+        at=(x, y - half - 0.05, top + 0.005),
+    )
 
 
 def add_tall_tap(
@@ -79,8 +94,16 @@ def add_tall_tap(
     drop = box(width, (end - bar, end + bar), (center - 0.03, center))
     builder.add(metal, riser, *bow, drop, link=name, carries=False)
     tip = (x, end, center - 0.03)
-    builder.hinge(name, (x, y, z + foot), (0, 0, 1), _SWING_RAD, lower_rad=-_SWING_RAD,
-                  damping=0.05, friction=0.2, at=tip)  # fmt: skip
+    builder.hinge(
+        name,
+        (x, y, z + foot),
+        (0, 0, 1),
+        _SWING_RAD,
+        lower_rad=-_SWING_RAD,
+        damping=0.05,
+        friction=0.2,
+        at=tip,
+    )
     _add_side_lever(builder, (x + half + 0.012 + _GAP_M, y, z + 0.03), metal)
 
 
@@ -90,8 +113,9 @@ def _add_side_lever(builder: ModelBuilder, at: Point, metal: m.Material) -> None
     name = _new(builder, "lever")
     bar = box((x, x + 0.01), (y - 0.008, y + 0.008), (z - 0.01, z + 0.075))
     builder.add(metal, bar, link=name, handle=True)
-    builder.hinge(name, at, (1, 0, 0), _LEVER_RAD, damping=0.02, friction=0.15,
-                  at=(x + 0.005, y, z + 0.075))  # fmt: skip
+    builder.hinge(
+        name, at, (1, 0, 0), _LEVER_RAD, damping=0.02, friction=0.15, at=(x + 0.005, y, z + 0.075)
+    )
 
 
 def add_pillar_tap(
@@ -114,8 +138,9 @@ def add_pillar_tap(
     builder.add(metal, box((x - 0.011, x + 0.011), nose, (low - 0.012, low)), carries=False)
     name, top = _new(builder, "knob"), z + height + _GAP_M
     hub, arm, r = 0.012, 0.03, 0.005
-    builder.add(metal, frustum((hub, hub), (top, top + 0.012), (x, y), sides), link=name,
-                handle=True)  # fmt: skip
+    builder.add(
+        metal, frustum((hub, hub), (top, top + 0.012), (x, y), sides), link=name, handle=True
+    )
     bars = (top + 0.012, top + 0.022)
     pieces = [box((x - arm, x + arm), (y - r, y + r), bars)]
     pieces += [box((x - r, x + r), (y + a, y + b), bars) for a, b in ((-arm, -r), (r, arm))]

@@ -62,8 +62,9 @@ def washing_machine(
     drum = _Drum(z, half - 0.03, round(0.82 * door, 4), (behind + 0.05, y - 0.09))
     _add_body(builder, (x, (behind, y), height - top), shell)
     builder.add(shell, box((-x, x), (front, y), (height - top, height)))
-    pieces = plate_with_hole(((-x, x), (_KICK_M, board)), (-behind, -front), (0.0, z), drum.hole,
-                             sides)  # fmt: skip
+    pieces = plate_with_hole(
+        ((-x, x), (_KICK_M, board)), (-behind, -front), (0.0, z), drum.hole, sides
+    )
     builder.add(shell, *(lying(p) for p in pieces))
     builder.add(shell, box((-x, x), (front, behind), (_FOOT_M, _KICK_M)))
     _add_controls(builder, ((-x, x), (front, behind), (board, height - top)), shell, y, sides)
@@ -105,8 +106,14 @@ def _add_controls(builder: ModelBuilder, space: Space, shell, y: float, sides: i
     add_panel_with_display(builder, ((edge, x1), (front, behind), (z0, z1)), shell, display)
     z = (z0 + z1) / 2
     radius = min(0.03, 0.36 * (z1 - z0), 0.12 * wide)
-    add_knob(builder, (x0 + 0.46 * wide, front, z), round(radius, 4), depth=0.02,
-             material=m.SILVER_BODY, sides=sides)  # fmt: skip
+    add_knob(
+        builder,
+        (x0 + 0.46 * wide, front, z),
+        round(radius, 4),
+        depth=0.02,
+        material=m.SILVER_BODY,
+        sides=sides,
+    )
     name, t = "drawer_1", 0.004
     rear = behind - _SEAM_M
     panel = ((x0, edge - _SEAM_M), (front, rear), (z0 + _SEAM_M, z1 - _SEAM_M))
@@ -130,8 +137,9 @@ def _add_lying_drum(builder: ModelBuilder, drum: _Drum, sides: int) -> None:
     outer, inner = circle(drum.radius, sides), circle(drum.radius - t, sides)
     y0, y1 = drum.y
     lip = circle(1.04 * drum.hole, sides)
-    builder.add(m.THIN_STEEL, *lying_ring(outer, lip, (y0, y0 + t), center), link=name,
-                carries=False)  # fmt: skip
+    builder.add(
+        m.THIN_STEEL, *lying_ring(outer, lip, (y0, y0 + t), center), link=name, carries=False
+    )
     walls = lying_ring(outer, inner, (y0 + t, y1 - t), center)
     builder.add(m.STEEL_LINER, *walls, link=name, carries=False)
     back = lying_disc((drum.radius, drum.radius), (y1 - t, y1), center, sides)
@@ -153,15 +161,24 @@ def _add_porthole(builder: ModelBuilder, y: Bounds, z: float, radius: float, rin
     pane, back = round(0.72 * radius, 4), y[0] + _DOOR_M
     frame = (circle(radius, sides), circle(pane, sides))
     builder.add(ring, *lying_ring(*frame, (y[0], back), center), link=name)
-    builder.add(m.PORTHOLE, lying_disc((pane, pane), (y[0] + 0.006, back), center, sides),
-                link=name)  # fmt: skip
+    builder.add(
+        m.PORTHOLE, lying_disc((pane, pane), (y[0] + 0.006, back), center, sides), link=name
+    )
     deep = min(y[1] + 0.035, y[0] + 0.7 * radius)
     if deep > y[1]:
         bulge = lying_disc((0.9 * pane, 0.72 * pane), (back, round(deep, 4)), center, sides)
         builder.add(m.PORTHOLE, bulge, link=name)
     at = (round(0.88 * radius, 4), y[0], z)
-    add_bar_handle(builder, at, round(0.5 * radius, 3), upright=True, link=name, material=ring,
-                   thickness=0.01, reach=0.03)  # fmt: skip
+    add_bar_handle(
+        builder,
+        at,
+        round(0.5 * radius, 3),
+        upright=True,
+        link=name,
+        material=ring,
+        thickness=0.01,
+        reach=0.03,
+    )
     builder.hinge(name, (-radius, y[0], z), (0, 0, -1), 1.9, damping=0.3, friction=0.4)
 
 
@@ -186,8 +203,9 @@ def top_loader(
     center = (0.0, (-y + edge) / 2)
     hole = round(0.78 * min(x, (edge + y) / 2), 4)
     plate = (deck - 0.045, deck - 0.02 - _SEAM_M)
-    builder.add(shell, *plate_with_hole(((-x, x), (-y, edge)), plate, center, hole, sides),
-                carries=False)  # fmt: skip
+    builder.add(
+        shell, *plate_with_hole(((-x, x), (-y, edge)), plate, center, hole, sides), carries=False
+    )
     builder.add(shell, box((-x, x), (edge, y), (deck - 0.045, deck)))
     rear = y - _CONSOLE_M
     if console:
@@ -206,10 +224,10 @@ def _add_upright_drum(builder, center, z: Bounds, hole: float, sides: int) -> No
     """Hollow, open above, with a cone in the middle that moves the washing."""
     name, t, r = "drum", 0.004, round(1.06 * hole, 4)
     rims = [np.stack([circle(v, sides, center)] * 2) for v in (r, r - t)]
-    builder.add(m.STEEL_LINER, *tube(rims[0], rims[1], (z[0] + t, z[1]), is_round=True),
-                link=name)  # fmt: skip
-    builder.add(m.STEEL_LINER, frustum((r, r), (z[0], z[0] + t), center, sides), link=name,
-                carries=False)  # fmt: skip
+    builder.add(m.STEEL_LINER, *tube(rims[0], rims[1], (z[0] + t, z[1]), is_round=True), link=name)
+    builder.add(
+        m.STEEL_LINER, frustum((r, r), (z[0], z[0] + t), center, sides), link=name, carries=False
+    )
     cone = frustum((0.4 * r, 0.14 * r), (z[0] + t, z[0] + 0.6 * (z[1] - z[0])), center, sides)
     builder.add(m.WHITE_PLASTIC, cone, link=name, carries=False)
     rim = (center[0], center[1] - r, z[1])

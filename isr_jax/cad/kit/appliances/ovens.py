@@ -70,9 +70,16 @@ def add_down_door(
         builder.add(lining or look.frame, box((x0, x1), (middle, y[1]), below[2]), link=name)
     y0 = y[0]
     at = ((x0 + x1) / 2, y0, z1 - rim / 2)
-    add_bar_handle(builder, at, round(0.8 * (x1 - x0), 3), upright=False, link=name,
-                   material=look.handle, thickness=min(0.018, 0.5 * rim),
-                   reach=look.reach)  # fmt: skip
+    add_bar_handle(
+        builder,
+        at,
+        round(0.8 * (x1 - x0), 3),
+        upright=False,
+        link=name,
+        material=look.handle,
+        thickness=min(0.018, 0.5 * rim),
+        reach=look.reach,
+    )
     builder.hinge(name, ((x0 + x1) / 2, y0, z0), (1, 0, 0), OPEN_RAD, damping=1.5, friction=1.0)
     return name
 

@@ -126,13 +126,32 @@ def _add_seat(builder, outline, y: tuple[float, float, float], rim: float, mater
     center = np.array([0.0, wall - straight])
     low = rim + _GAP_M
     rims = [np.stack([center + s * outline] * 2) for s in (1.0, 0.7)]
-    builder.add(material, *tube(rims[0], rims[1], (low, low + _SEAT_M), is_round=True),
-                link="seat", carries=False)  # fmt: skip
+    builder.add(
+        material,
+        *tube(rims[0], rims[1], (low, low + _SEAT_M), is_round=True),
+        link="seat",
+        carries=False,
+    )
     top = low + _SEAT_M + _GAP_M
     lid = loft(center + outline, center + 0.97 * outline, (top, top + _LID_M))
     builder.add(material, lid, link="lid")
     axis, origin = (-1, 0, 0), (0.0, wall, low + 0.003)
-    builder.hinge("seat", origin, axis, _OPEN_RAD, damping=0.6, friction=0.6,
-                  at=(0.0, front, low + _SEAT_M / 2))  # fmt: skip
-    builder.hinge("lid", origin, axis, _OPEN_RAD, parent="seat", damping=0.4, friction=0.4,
-                  at=(0.0, front, top + _LID_M / 2))  # fmt: skip
+    builder.hinge(
+        "seat",
+        origin,
+        axis,
+        _OPEN_RAD,
+        damping=0.6,
+        friction=0.6,
+        at=(0.0, front, low + _SEAT_M / 2),
+    )
+    builder.hinge(
+        "lid",
+        origin,
+        axis,
+        _OPEN_RAD,
+        parent="seat",
+        damping=0.4,
+        friction=0.4,
+        at=(0.0, front, top + _LID_M / 2),
+    )

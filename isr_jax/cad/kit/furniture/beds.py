@@ -123,8 +123,11 @@ def _add_side_drawer(builder, look: Look, side: int, x: float, along, z) -> None
     floor = between(side * (end + t), side * inner)
     builder.add(look.board, box(floor, between_walls, (z0 + 0.01, z0 + 0.022)), link=name)
     middle, grip = (y0 + y1) / 2, z1 - 0.04
-    for a, b, c, d in ((-0.07, 0.07, 0.023, 0.035), (-0.07, -0.058, 0, 0.023),
-                       (0.058, 0.07, 0, 0.023)):  # fmt: skip
+    for a, b, c, d in (
+        (-0.07, 0.07, 0.023, 0.035),
+        (-0.07, -0.058, 0, 0.023),
+        (0.058, 0.07, 0, 0.023),
+    ):
         bar = between(side * (x + c), side * (x + d))
         solid = box(bar, (middle + a, middle + b), (grip - 0.006, grip + 0.006))
         builder.add(look.handle, solid, link=name, handle=True)
@@ -155,8 +158,14 @@ def add_bedding(
 def pillow_solid(x, y, z) -> Solid:
     """A pillow, thin at its front edge."""
     (y0, y1), (z0, z1) = y, z
-    outline = [(y0 + 0.02, z0), (y1, z0), (y1, z1 - 0.02), (y1 - 0.06, z1), (y1 - 0.16, z1),
-               (y0, z0 + 0.03)]  # fmt: skip
+    outline = [
+        (y0 + 0.02, z0),
+        (y1, z0),
+        (y1, z1 - 0.02),
+        (y1 - 0.06, z1),
+        (y1 - 0.16, z1),
+        (y0, z0 + 0.03),
+    ]
     return prism(np.round(outline, 6), "x", x)
 
 

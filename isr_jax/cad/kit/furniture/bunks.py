@@ -50,10 +50,14 @@ def bunk_bed(
     along = (-y + post, y - post)
     builder.add(frame, box((x - 0.025, x), along, (guard, height - 0.02)), carries=False)
     gate = -y + post + min(0.5, 0.3 * depth)
-    builder.add(frame, box((front, front + 0.025), (gate, y - post), (guard, height - 0.02)),
-                carries=False)  # fmt: skip
-    builder.add(frame, box((front, front + 0.025), (gate, gate + 0.05), (upper + 0.05, guard)),
-                carries=False)  # fmt: skip
+    builder.add(
+        frame, box((front, front + 0.025), (gate, y - post), (guard, height - 0.02)), carries=False
+    )
+    builder.add(
+        frame,
+        box((front, front + 0.025), (gate, gate + 0.05), (upper + 0.05, guard)),
+        carries=False,
+    )
     _add_ladder(builder, frame, (-x, front), (-y + post, gate), upper + 0.05)
     return builder
 

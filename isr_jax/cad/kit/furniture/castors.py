@@ -66,8 +66,12 @@ def _arms(reach: np.ndarray, middle: float) -> list[Solid]:
     for along in _directions():
         aside = np.array([-along[1], along[0]])
         end, root = reach * along, _HUB_M * along
-        outline = [root - 0.02 * aside, end - 0.014 * aside, end + 0.014 * aside,
-                   root + 0.02 * aside]  # fmt: skip
+        outline = [
+            root - 0.02 * aside,
+            end - 0.014 * aside,
+            end + 0.014 * aside,
+            root + 0.02 * aside,
+        ]
         arm = prism(np.round(np.array(outline) + np.array([0, middle]), 6), "z", _ARM_Z)
         # Narrow and everywhere: no planes that a scan would show.
         arms.append(dataclasses.replace(arm, curved=frozenset(range(len(arm.faces)))))

@@ -74,8 +74,12 @@ def _add_seat(builder, fabric, x: float, y, z) -> None:
     whole = (-x, x, *body)
     inner = (-x + bevel, x - bevel, body[0], rear - bevel)
     builder.add(fabric, tapered_box(whole, inner, (high - bevel, high)), link=_LINK)
-    outline = [(front, low + 0.01), (front + lip, low), (front + lip, high - bevel),
-               (front, high - 0.03)]  # fmt: skip
+    outline = [
+        (front, low + 0.01),
+        (front + lip, low),
+        (front + lip, high - bevel),
+        (front, high - 0.03),
+    ]
     builder.add(fabric, prism(np.round(outline, 6), "x", (-x, x)), link=_LINK)
 
 
@@ -92,8 +96,10 @@ def _add_back(builder, materials, kind: str, x: float, base, z) -> None:
     rear = (end - thick, end)
     if kind != "mesh":
         middle = round(low + 0.55 * (top - low), 4)
-        for span, bounds in (((-half, half), (low, middle)),
-                             ((-half + 0.015, half - 0.015), (middle, top))):  # fmt: skip
+        for span, bounds in (
+            ((-half, half), (low, middle)),
+            ((-half + 0.015, half - 0.015), (middle, top)),
+        ):
             builder.add(fabric, leaning(span, rear, bounds, _LEAN, seat), link=_LINK)
         return
     rim = 0.022

@@ -231,8 +231,10 @@ def cafe_chair(
         builder.add(frame, staves[k].shown(shown))
     for angle in np.linspace(0.12 * np.pi, 0.88 * np.pi, spindles):
         reach = 0.96 * np.cos(np.pi / sides)
-        cx, cy = (round(float(v), 5) for v in (
-            (x - 0.011) * reach * np.cos(angle), (y - 0.011) * reach * np.sin(angle)))  # fmt: skip
+        cx, cy = (
+            round(float(v), 5)
+            for v in ((x - 0.011) * reach * np.cos(angle), (y - 0.011) * reach * np.sin(angle))
+        )
         post = box((cx - 0.007, cx + 0.007), (cy - 0.007, cy + 0.007), (seat, rail[0]))
         builder.add(frame, post)
     return builder

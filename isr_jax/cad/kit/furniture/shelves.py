@@ -119,8 +119,12 @@ def ladder_shelf(
     sides = [between(s * x, s * (x - t)) for s in (-1, 1)]
     for side in sides:
         builder.add(frame, box(side, (y - rail, y), (0.0, height)))
-        outline = [(front(0), 0.0), (front(0) + rail, 0.0), (front(height) + rail, height),
-                   (front(height), height)]  # fmt: skip
+        outline = [
+            (front(0), 0.0),
+            (front(0) + rail, 0.0),
+            (front(height) + rail, height),
+            (front(height), height),
+        ]
         builder.add(frame, prism(np.round(outline, 6), "x", side))
     for k in range(rows):
         top = round(0.1 + (height - 0.12) * k / (rows - 1), 3)
@@ -129,8 +133,12 @@ def ladder_shelf(
         outline = [(ends[0], low), (y, low), (y, top), (ends[1], top)]
         builder.add(board or frame, prism(outline, "x", (-x + t, x - t)))
         for side in sides:
-            outline = [(ends[0] + rail, low), (y - rail, low), (y - rail, top),
-                       (ends[1] + rail, top)]  # fmt: skip
+            outline = [
+                (ends[0] + rail, low),
+                (y - rail, low),
+                (y - rail, top),
+                (ends[1] + rail, top),
+            ]
             builder.add(frame, prism(np.round(outline, 6), "x", side))
     return builder
 
@@ -154,8 +162,9 @@ def wall_shelf(
         sides = (-x + t, x - t)
         levels = [round((height - t) * k / rows, 3) for k in range(rows)] + [height - t]
     else:
-        levels = [height - t - round(0.86 * (height - t) * k / max(rows - 1, 1), 3)
-                  for k in range(rows)]  # fmt: skip
+        levels = [
+            height - t - round(0.86 * (height - t) * k / max(rows - 1, 1), 3) for k in range(rows)
+        ]
     for level in levels:
         builder.add(board, box(sides, (-y, y), (level, level + t)))
     if framed:

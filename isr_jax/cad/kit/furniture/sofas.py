@@ -87,8 +87,14 @@ def sofa(
 def _back_cushion(x, y, z) -> Solid:
     """A cushion that leans against a back: thick below, thin above."""
     (y0, y1), (z0, z1) = y, z
-    outline = [(y0, z0), (y1, z0), (y1, z1 - 0.03), (y1 - 0.05, z1), (y0 + 0.06, z1),
-               (y0 + 0.02, z1 - 0.06)]  # fmt: skip
+    outline = [
+        (y0, z0),
+        (y1, z0),
+        (y1, z1 - 0.03),
+        (y1 - 0.05, z1),
+        (y0 + 0.06, z1),
+        (y0 + 0.02, z1 - 0.06),
+    ]
     return prism(np.round(outline, 6), "x", x)
 
 
@@ -167,8 +173,12 @@ def armchair(
         builder.add(fabric, *cushion(span, (-y, end), (deck, arm_height), 0.02))
         if wings:
             slope = [round(end + lean * (h - deck), 6) for h in (arm_height, height)]
-            outline = [(end - 0.2, arm_height), (end, arm_height), (slope[1], height),
-                       (slope[1] - 0.16, height)]  # fmt: skip
+            outline = [
+                (end - 0.2, arm_height),
+                (end, arm_height),
+                (slope[1], height),
+                (slope[1] - 0.16, height),
+            ]
             builder.add(fabric, prism(np.round(outline, 6), "x", span))
     corners = [(-x, -y), (x, -y), (-x, end), (x, end)]
     for cx, cy in corners:
@@ -251,7 +261,8 @@ def frame_armchair(
     for side in (-1, 1):
         board = between(side * (x - 0.072), side * (x - 0.092))
         builder.add(frame, leaning(board, (end, end + 0.02), (deck, height - 0.03), lean, deck))
-    rail = leaning((-x + 0.092, x - 0.092), (end, end + 0.02), (height - 0.1, height - 0.03),
-                   lean, deck)  # fmt: skip
+    rail = leaning(
+        (-x + 0.092, x - 0.092), (end, end + 0.02), (height - 0.1, height - 0.03), lean, deck
+    )
     builder.add(frame, rail)
     return builder

@@ -27,7 +27,11 @@ def stack(
     sides: int = ROUND_SIDES,
     center: tuple[float, float] = (0.0, 0.0),
 ) -> tuple[Solid, ...]:
-    """A solid of revolution: one frustum between each two heights of the profile."""
+    """A solid of revolution: one frustum between each two heights of the profile.
+
+    Raises:
+        SettingError: A radius is not positive.
+    """
     _refuse_empty(r for _, r in profile)
     last, pieces = len(profile) - 2, []
     for k, ((z0, r0), (z1, r1)) in enumerate(itertools.pairwise(profile)):
@@ -54,6 +58,9 @@ def shell(
         squeeze: Depth over width.
         sides: Staves a ring.
         center: Of the axis.
+
+    Raises:
+        SettingError: A radius or the wall between two is not positive.
     """
     _refuse_empty(inner)
     _refuse_empty(r - n for (_, r), n in zip(profile, inner, strict=True))

@@ -71,8 +71,12 @@ def handbag(
     for side in (-1, 1):
         half, r = 0.5 * lean * x, 0.01
         rise = height - top
-        path = [(-half, top), (-0.9 * half, top + 0.55 * rise),
-                (-0.5 * half, height - 0.14 * rise), (-0.2 * half, height - r / 2)]  # fmt: skip
+        path = [
+            (-half, top),
+            (-0.9 * half, top + 0.55 * rise),
+            (-0.5 * half, height - 0.14 * rise),
+            (-0.2 * half, height - r / 2),
+        ]
         path += [(-across, z) for across, z in reversed(path)]
         inner = side * 0.25 * y
         builder.add(trim, *strip(path, r, "y", between(inner, inner + side * 0.008), _LEVEL))
@@ -95,12 +99,24 @@ def backpack(
     loop, strap_deep = 0.03, 0.035
     top, front, back = height - loop, -y + pocket * depth, y - strap_deep
     bend = 0.3 * (back - front)
-    profile = [(back, 0.0), (back, top - 0.02), (back - 0.02, top), (front + bend, top),
-               (front, top - 1.2 * bend), (front, 0.0)]  # fmt: skip
+    profile = [
+        (back, 0.0),
+        (back, top - 0.02),
+        (back - 0.02, top),
+        (front + bend, top),
+        (front, top - 1.2 * bend),
+        (front, 0.0),
+    ]
     builder.add(material, upright_prism(profile, "x", (-x, x)), carries=False)
     lower = 0.52 * top
-    pouch = [(front, 0.0), (front, lower + 0.03), (-y + 0.02, lower), (-y, lower - 0.04),
-             (-y, 0.03), (-y + 0.02, 0.0)]  # fmt: skip
+    pouch = [
+        (front, 0.0),
+        (front, lower + 0.03),
+        (-y + 0.02, lower),
+        (-y, lower - 0.04),
+        (-y, 0.03),
+        (-y + 0.02, 0.0),
+    ]
     builder.add(pocket_material, upright_prism(pouch, "x", (-0.85 * x, 0.85 * x)), carries=False)
     r = 0.01
     for side in (-1, 1):
@@ -128,14 +144,25 @@ def duffel(
     builder = ModelBuilder("bag", symmetry=2)
     x, y, top = width / 2, depth / 2, height - loop
     c = 0.28  # share that the slants take
-    outline = [(-y * (1 - c), 0.0), (y * (1 - c), 0.0), (y, c * top), (y, top * (1 - 1.2 * c)),
-               (y * (1 - 1.2 * c), top), (-y * (1 - 1.2 * c), top), (-y, top * (1 - 1.2 * c)),
-               (-y, c * top)]  # fmt: skip
+    outline = [
+        (-y * (1 - c), 0.0),
+        (y * (1 - c), 0.0),
+        (y, c * top),
+        (y, top * (1 - 1.2 * c)),
+        (y * (1 - 1.2 * c), top),
+        (-y * (1 - 1.2 * c), top),
+        (-y, top * (1 - 1.2 * c)),
+        (-y, c * top),
+    ]
     half = 0.28 * width
     band = 0.035
-    for a, b, cloth in ((-x, -half - band, material), (-half - band, -half, strap),
-                        (-half, half, material), (half, half + band, strap),
-                        (half + band, x, material)):  # fmt: skip
+    for a, b, cloth in (
+        (-x, -half - band, material),
+        (-half - band, -half, strap),
+        (-half, half, material),
+        (half, half + band, strap),
+        (half + band, x, material),
+    ):
         builder.add(cloth, upright_prism(outline, "x", (a, b)), carries=False)
     grip = half + band / 2
     for side in (-1, 1):
@@ -167,8 +194,14 @@ def suitcase(
     front, rear = -y + rib, y - well
     radius = min(wheel, 0.16 * (rear - front))
     low = 2 * radius + 0.012
-    outline = [(-x + c, front), (x - c, front), (x, front + c), (x, rear), (-x, rear),
-               (-x, front + c)]  # fmt: skip
+    outline = [
+        (-x + c, front),
+        (x - c, front),
+        (x, front + c),
+        (x, rear),
+        (-x, rear),
+        (-x, front + c),
+    ]
     builder.add(material, prism(outline, "z", (low, height)))
     pitch = (2 * x - 2 * c) / (2 * ribs + 1)
     for k in range(ribs):
@@ -185,8 +218,11 @@ def suitcase(
     builder.slide("handle", (0, 0, 1), travel, damping=2.0, friction=3.0)
     carry = [(-0.1, height), (-0.085, height + 0.03), (0.085, height + 0.03), (0.1, height)]
     middle = (front + rear) / 2
-    builder.add(m.BLACK_TRIM, *strip(carry, 0.01, "y", (middle - 0.012, middle + 0.012), _LEVEL),
-                handle=True)  # fmt: skip
+    builder.add(
+        m.BLACK_TRIM,
+        *strip(carry, 0.01, "y", (middle - 0.012, middle + 0.012), _LEVEL),
+        handle=True,
+    )
     return builder
 
 
@@ -208,5 +244,6 @@ def _add_case_handle(builder: ModelBuilder, rail: float, y, z, grip: float) -> N
     for side in (-1, 1):
         span = between(side * rail, side * (rail - 0.012))
         builder.add(m.STEEL_TUBE, box(span, deep, (z[0], z[1] - grip)), link="handle")
-    builder.add(m.BLACK_TRIM, box((-rail, rail), deep, (z[1] - grip, z[1])), link="handle",
-                handle=True)  # fmt: skip
+    builder.add(
+        m.BLACK_TRIM, box((-rail, rail), deep, (z[1] - grip, z[1])), link="handle", handle=True
+    )

@@ -110,8 +110,9 @@ def pedal_bin(
     dome = [(top, r), (top + 0.35 * lid, r), (top + 0.8 * lid, 0.75 * r), (height, 0.4 * r)]
     builder.add(lid_material, *stack(dome, **around), link="lid")
     grip = (0.0, back - body, top + 0.2 * lid)
-    builder.hinge("lid", (0.0, back, top), (-1, 0, 0), _LID_RAD, damping=0.1, friction=0.05,
-                  at=grip)  # fmt: skip
+    builder.hinge(
+        "lid", (0.0, back, top), (-1, 0, 0), _LID_RAD, damping=0.1, friction=0.05, at=grip
+    )
     plate = box((-0.2 * width, 0.2 * width), (-back, back - body), (0.008, 0.014))
     builder.add(material, plate, carries=False)
     return builder
@@ -170,6 +171,14 @@ def swing_bin(
     axis = height - 0.002
     builder.add(material, box((-fx, fx), (-fy, fy), (axis - thick, axis)), link="flap")
     # The axis lies above the flap's middle, which therefore swings back.
-    builder.hinge("flap", (0.0, 0.0, axis), (-1, 0, 0), 0.9, lower_rad=-0.9, damping=0.01,
-                  friction=0.003, at=(0.0, -fy, axis))  # fmt: skip
+    builder.hinge(
+        "flap",
+        (0.0, 0.0, axis),
+        (-1, 0, 0),
+        0.9,
+        lower_rad=-0.9,
+        damping=0.01,
+        friction=0.003,
+        at=(0.0, -fy, axis),
+    )
     return builder

@@ -128,8 +128,9 @@ def storage_box(
         hook = box((-half, half), (-y - 0.012, -y), (top - 0.02, top + rim))
         builder.add(lid_material, hook, link="lid", handle=True)
     grip = None if latch else (0.0, -y, top)
-    builder.hinge("lid", (0.0, y, top), (-1, 0, 0), opening_rad, damping=0.02, friction=0.01,
-                  at=grip)  # fmt: skip
+    builder.hinge(
+        "lid", (0.0, y, top), (-1, 0, 0), opening_rad, damping=0.02, friction=0.01, at=grip
+    )
     return builder
 
 

@@ -176,8 +176,14 @@ def _head(joint: Point2, cone: float, material, shade_material, sides: int) -> l
     wall = [(low, cone), (top - 0.02, neck)]
     skirt = shell(wall, [cone - _SHADE_WALL_M, neck - _SHADE_WALL_M], **around)
     bulb = min(0.025, 0.8 * (neck - _SHADE_WALL_M))
-    globe = stack([(top - 0.02 - 3 * bulb, 0.4 * bulb), (top - 0.02 - 1.6 * bulb, bulb),
-                   (top - 0.02, 0.6 * bulb)], **around)  # fmt: skip
+    globe = stack(
+        [
+            (top - 0.02 - 3 * bulb, 0.4 * bulb),
+            (top - 0.02 - 1.6 * bulb, bulb),
+            (top - 0.02, 0.6 * bulb),
+        ],
+        **around,
+    )
     return [
         _Part("head", material, tuple(cheeks)),
         _Part("head", shade_material, (*cap, *skirt)),
@@ -237,8 +243,16 @@ def _add_hinges(builder: ModelBuilder, elbow: float, arm: _Arm, floor: float) ->
     arms = {"lower_rad": -_BACK_RAD, "upper_rad": lean, **both}
     builder.hinge("arm_1", (0.0, 0.0, _COLUMN_M), friction=0.4, at=(0.0, 0.0, elbow), **arms)
     builder.hinge("arm_2", (0.0, 0.0, elbow), friction=0.25, parent="arm_1", at=(0.0, y, z), **arms)
-    builder.hinge("head", (0.0, y, z), upper_rad=turn, lower_rad=-turn, friction=0.06,
-                  parent="arm_2", at=(0.0, y - arm.cone, z - arm.drop), **both)  # fmt: skip
+    builder.hinge(
+        "head",
+        (0.0, y, z),
+        upper_rad=turn,
+        lower_rad=-turn,
+        friction=0.06,
+        parent="arm_2",
+        at=(0.0, y - arm.cone, z - arm.drop),
+        **both,
+    )
 
 
 def bent_lamp(
@@ -271,9 +285,16 @@ def bent_lamp(
     cap, top = low + 0.62 * (height - low), height - half
     bend = 0.35 * (rear - front)
     fall = min(bend, 0.9 * (top - cap))
-    path = [(rear, base), (rear, top - bend), (rear - 0.3 * bend, top - 0.3 * bend),
-            (rear - bend, top), (front + bend, top), (front + 0.3 * bend, top - 0.3 * fall),
-            (front, top - fall), (front, cap)]  # fmt: skip
+    path = [
+        (rear, base),
+        (rear, top - bend),
+        (rear - 0.3 * bend, top - 0.3 * bend),
+        (rear - bend, top),
+        (front + bend, top),
+        (front + 0.3 * bend, top - 0.3 * fall),
+        (front, top - fall),
+        (front, cap),
+    ]
     builder.add(material, *strip(path, tube, "x", (-half, half)), carries=False)
     around = {"sides": sides, "center": (0.0, front)}
     neck, wall = 0.4 * cone, _SHADE_WALL_M

@@ -40,12 +40,19 @@ def door(
     handle: Literal["lever", "knob", "bar"] = "lever",
     metal: m.Material = m.STEEL,
 ) -> ModelBuilder:
-    """One leaf in a frame ``depth`` deep; it opens to the front, its hinge at ``hinge``."""
+    """One leaf in a frame ``depth`` deep; it opens to the front, its hinge at ``hinge``.
+
+    Raises:
+        SettingError: The frame is too shallow for the leaf.
+    """
     builder = ModelBuilder("door", symmetry=1)
     x, y = width / 2, depth / 2
     _add_frame(builder, (x, y, height), jamb, thickness, frame)
-    space = ((-x + jamb + GAP_M, x - jamb - GAP_M), (-y, -y + thickness),
-             (_FLOOR_M, height - jamb - GAP_M))  # fmt: skip
+    space = (
+        (-x + jamb + GAP_M, x - jamb - GAP_M),
+        (-y, -y + thickness),
+        (_FLOOR_M, height - jamb - GAP_M),
+    )
     free = "right" if hinge == "left" else "left"
     add_leaf(builder, "leaf", space, leaf, free)
     _add_handle(builder, "leaf", space, free, handle, metal, height)
@@ -81,13 +88,25 @@ def _add_handle(builder: ModelBuilder, link, space: Space, free, kind, metal, he
     elif kind == "knob":
         for face, out in ((y0, -1), (y1, 1)):
             shank = between(face, face + out * 0.03)
-            builder.add(metal, box((x - 0.012, x + 0.012), shank, (z - 0.012, z + 0.012)),
-                        link=link, handle=True)  # fmt: skip
+            builder.add(
+                metal,
+                box((x - 0.012, x + 0.012), shank, (z - 0.012, z + 0.012)),
+                link=link,
+                handle=True,
+            )
             ball = between(face + out * 0.03, face + out * 0.06)
             builder.add(metal, prism(circle(0.026, 12, (z, x)), "y", ball), link=link, handle=True)
     else:
-        add_bar_handle(builder, (x, y0, z), min(0.6, 0.3 * height), upright=True, link=link,
-                       material=metal, thickness=0.022, reach=0.06)  # fmt: skip
+        add_bar_handle(
+            builder,
+            (x, y0, z),
+            min(0.6, 0.3 * height),
+            upright=True,
+            link=link,
+            material=metal,
+            thickness=0.022,
+            reach=0.06,
+        )
     hinge_leaf(builder, link, space, free, (x, y0, z))
 
 
@@ -103,7 +122,11 @@ def double_door(
     handle: Literal["lever", "knob", "bar"] = "lever",
     metal: m.Material = m.STEEL,
 ) -> ModelBuilder:
-    """Two leaves that meet in the middle and open to the front."""
+    """Two leaves that meet in the middle and open to the front.
+
+    Raises:
+        SettingError: The frame is too shallow for the leaves.
+    """
     builder = ModelBuilder("door", symmetry=1)
     x, y = width / 2, depth / 2
     _add_frame(builder, (x, y, height), jamb, thickness, frame)

@@ -148,20 +148,33 @@ def add_lever(
     for face, out in zip(faces, (-1, 1)):
         shield = between(face, face + out * _PROUD_M)
         low = z - 0.65 * plate[1]
-        builder.add(material, box((x - half, x + half), shield, (low, low + plate[1])),
-                    link=leaf, handle=True)  # fmt: skip
+        builder.add(
+            material,
+            box((x - half, x + half), shield, (low, low + plate[1])),
+            link=leaf,
+            handle=True,
+        )
         near, far = face + out * (_PROUD_M + 0.0025), face + out * 0.056
         neck = between(near, far - out * 0.014)
-        builder.add(material, box((x - 0.01, x + 0.01), neck, (z - 0.01, z + 0.01)),
-                    link=link, handle=True)  # fmt: skip
+        builder.add(
+            material, box((x - 0.01, x + 0.01), neck, (z - 0.01, z + 0.01)), link=link, handle=True
+        )
         grip = between(far - out * 0.014, far)
         arm = between(x + towards * 0.01, x + towards * _LEVER_M)
         builder.add(m.LEVER, box(arm, grip, (z - 0.009, z + 0.009)), link=link, handle=True)
         tail = between(x + towards * 0.01, x - towards * _TAIL_M)
         builder.add(m.STEEL, box(tail, grip, (z - 0.012, z + 0.012)), link=link, handle=True)
     end = (x + towards * (_LEVER_M - 0.01), faces[0] - 0.049, z)
-    builder.knob(link, (x, faces[0], z), (0, towards, 0), _LEVER_RAD, parent=leaf, damping=0.02,
-                 friction=0.05, at=end)  # fmt: skip
+    builder.knob(
+        link,
+        (x, faces[0], z),
+        (0, towards, 0),
+        _LEVER_RAD,
+        parent=leaf,
+        damping=0.02,
+        friction=0.05,
+        at=end,
+    )
 
 
 def add_catch(
@@ -180,5 +193,6 @@ def add_catch(
     arm = box((x - 0.009, x + 0.009), (face - 0.048, face - 0.036), (z - 0.11, z + 0.01))
     builder.add(material, arm, link=link, handle=True)
     end = (x, face - 0.042, z - 0.1)
-    builder.knob(link, (x, face, z), (0, -towards, 0), 1.57, parent=sash, damping=0.02,
-                 friction=0.15, at=end)  # fmt: skip
+    builder.knob(
+        link, (x, face, z), (0, -towards, 0), 1.57, parent=sash, damping=0.02, friction=0.15, at=end
+    )

@@ -45,8 +45,9 @@ def sliding_door(
     add_leaf(builder, "pane", pane, leaf, None)
     z = min(1.05, 0.5 * height)
     at = (pane[0][1] - leaf.stile / 2, front[0], z)
-    add_bar_handle(builder, at, min(0.3, 0.3 * height), upright=True, link="pane",
-                   thickness=0.014, reach=0.04)  # fmt: skip
+    add_bar_handle(
+        builder, at, min(0.3, 0.3 * height), upright=True, link="pane", thickness=0.014, reach=0.04
+    )
     travel = round(pane[0][0] - inner[0] - GAP_M, 3)
     builder.slide("pane", (-1, 0, 0), travel, damping=20.0, friction=8.0)
     return builder

@@ -90,8 +90,11 @@ def cactus(
         thick = 0.42 * r
         for side, low, high in ((-1, 0.35, 0.75), (1, 0.5, 0.9)):
             z0, z1, out = soil + low * tall, soil + high * tall, width / 2 - thick
-            elbow = box(between(side * r, side * (out - thick)), (-0.7 * thick, 0.7 * thick),
-                        (z0 - 0.7 * thick, z0 + 0.7 * thick))  # fmt: skip
+            elbow = box(
+                between(side * r, side * (out - thick)),
+                (-0.7 * thick, 0.7 * thick),
+                (z0 - 0.7 * thick, z0 + 0.7 * thick),
+            )
             builder.add(leaf_material, elbow, carries=False)
             arm = [(z0 - thick, 0.6 * thick), (z0, thick), (z1 - thick, thick), (z1, 0.4 * thick)]
             upright = stack(arm, sides=sides, center=(side * out, 0.0))

@@ -124,6 +124,10 @@ def bottle(
         screw: The cap turns: a knob with 2 mm below it.
         wall: Above 0 the bottle is hollow and open, without cap and label.
         sides: Of round parts.
+
+    Raises:
+        SettingError: The cap leaves no room for the throat, or the label none between foot and
+            shoulder.
     """
     symmetry, squeeze = rounds_of(width, depth)
     builder = ModelBuilder("bottle", symmetry=symmetry)

@@ -38,6 +38,9 @@ def casement_window(
     """Sashes beside one another that open to the front (into the room).
 
     A sash is named by the side of its hinge; ``bottom`` tilts, ``fixed`` does not move.
+
+    Raises:
+        SettingError: The sashes would be too narrow.
     """
     builder = ModelBuilder("window", symmetry=2 if set(sashes) == {"fixed"} else 1)
     x, y, count = width / 2, depth / 2, len(sashes)
@@ -74,8 +77,11 @@ def _add_sash(builder: ModelBuilder, sash: Sash, opening: Space, leaf: Leaf, met
     free = _FREE[sash]
     add_leaf(builder, link, space, leaf, free)
     x, z, half = (x0 + x1) / 2, (z0 + z1) / 2, leaf.stile / 2
-    at = {"left": (x0 + GAP_M + half, z), "right": (x1 - GAP_M - half, z),
-          "top": (x, z1 - GAP_M - half)}[free]  # fmt: skip
+    at = {
+        "left": (x0 + GAP_M + half, z),
+        "right": (x1 - GAP_M - half, z),
+        "top": (x, z1 - GAP_M - half),
+    }[free]
     towards = 1 if free == "left" else -1
     add_catch(builder, link, (at[0], y0, at[1]), towards, metal)
     hinge_leaf(builder, link, space, free, (at[0], y0, at[1]))
