@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from .alignment import AlignmentProblem, SurfacePairs, problem_of, surfaces_of
 from .borders.ply import read_mesh
 from .cad import default_library, open_library
 from .config import Settings, preset, settings_from_dict, settings_to_dict
-from .errors import LibraryError
+from .errors import LibraryError, SceneError
 from .export import export_scene
 from .library import CadLibrary
 from .runtime.run_folder import versions
@@ -121,6 +122,47 @@ def load_scene(folder: str | Path, *, library: CadLibrary | None = None) -> Scen
     )
 
 
+def alignment_problem(*scenes: Scene) -> AlignmentProblem:
+    """The (entity, candidate) pairs of scenes, as `align` solves them: for gradients.
+
+    Row k is row k of the shortlists, laid end to end; after them comes padding (``valid`` is
+    False there).
+
+    Args:
+        *scenes: From `reconstruct`, `furnish_scenes` or `load_scene`, of one library.
+
+    Raises:
+        SceneError: a scene holds no candidates.
+    """
+    found, shortlists = _with_candidates(scenes)
+    entities, graphs = [s.entities for s in found], [s.graph for s in found]
+    return problem_of(entities, graphs, shortlists, found[0].library, found[0].settings.support)
+
+
+def alignment_surfaces(*scenes: Scene) -> SurfacePairs:
+    """The points and triangles that `alignment_error` compares, row by row of the problem.
+
+    Args:
+        *scenes: As for `alignment_problem`.
+
+    Raises:
+        SceneError: a scene holds no candidates.
+    """
+    found, shortlists = _with_candidates(scenes)
+    entities, settings = [s.entities for s in found], found[0].settings.alignment
+    return surfaces_of(entities, shortlists, found[0].library, settings)
+
+
+def _with_candidates(scenes: tuple[Scene, ...]) -> tuple[tuple[Scene, ...], list[Shortlist]]:
+    shortlists = [scene.shortlist for scene in scenes if scene.shortlist is not None]
+    if not scenes or len(shortlists) < len(scenes):
+        raise SceneError(
+            f"{len(scenes) - len(shortlists)} of {len(scenes)} scenes hold no candidates",
+            "give at least one scene; `replace_with_cad(scene.entities)` finds candidates",
+        )
+    return scenes, shortlists
+
+
 def _key(store: StageStore, folder: Path) -> StageKey:
     """Candidates belong to one scene.json: rows are positions of its entities."""
     digest = hashlib.sha256((folder / "scene.json").read_bytes()).hexdigest()
@@ -162,4 +204,4 @@ def _library_of(saved: SceneFile, folder: Path, given: CadLibrary | None) -> Cad
     return library
 
 
-__all__ = ["Scene", "load_scene"]
+__all__ = ["Scene", "alignment_problem", "alignment_surfaces", "load_scene"]
