@@ -20,7 +20,13 @@ import warnings
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .alignment import align, alignment_error
+    from .alignment import (
+        AlignmentProblem,
+        AlignmentSolution,
+        AlignmentWeights,
+        align,
+        alignment_error,
+    )
     from .borders import simulation
     from .cad import build_library, default_library, fit_cad, load_library, open_library
     from .config import Settings, preset, with_overrides
@@ -32,19 +38,24 @@ if TYPE_CHECKING:
     from .map_runs.live import LiveMap
     from .map_runs.make_map import make_map
     from .pipeline import furnish_scenes, reconstruct, replace_with_cad, run
-    from .scene import Scene, load_scene
+    from .scene import Scene, alignment_problem, alignment_surfaces, load_scene
     from .scene_file import read_scene
     from .segmentation import open_segmenter
     from .stability import settle
     from .viewer import view
 
 _HOME = {
+    "AlignmentProblem": "alignment",
+    "AlignmentSolution": "alignment",
+    "AlignmentWeights": "alignment",
     "IsrError": "errors",
     "LiveMap": "map_runs.live",
     "Scene": "scene",
     "Settings": "config",
     "align": "alignment",
     "alignment_error": "alignment",
+    "alignment_problem": "scene",
+    "alignment_surfaces": "scene",
     "build_library": "cad",
     "default_library": "cad",
     "demo": "demonstration.demo",
@@ -94,12 +105,17 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
+    "AlignmentProblem",
+    "AlignmentSolution",
+    "AlignmentWeights",
     "IsrError",
     "LiveMap",
     "Scene",
     "Settings",
     "align",
     "alignment_error",
+    "alignment_problem",
+    "alignment_surfaces",
     "build_library",
     "default_library",
     "demo",

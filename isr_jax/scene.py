@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from .alignment import AlignmentProblem, SurfacePairs, problem_of, surfaces_of
 from .borders.ply import read_mesh
 from .cad import default_library, open_library
 from .config import Settings, preset, settings_from_dict, settings_to_dict
-from .errors import LibraryError
+from .errors import LibraryError, SceneError
 from .export import export_scene
 from .library import CadLibrary
 from .runtime.run_folder import versions
@@ -162,4 +163,37 @@ def _library_of(saved: SceneFile, folder: Path, given: CadLibrary | None) -> Cad
     return library
 
 
-__all__ = ["Scene", "load_scene"]
+def alignment_problem(scene: Scene) -> AlignmentProblem:
+    """The pairs that `alignment.align` solved for a scene; row k is row k of its shortlist.
+
+    Raises:
+        SceneError: the scene has no candidates.
+        LibraryError: the scene's library is not the one that its shortlist was made from.
+    """
+    shortlists = [_shortlist_of(scene)]
+    return problem_of(
+        [scene.entities], [scene.graph], shortlists, scene.library, scene.settings.support
+    )
+
+
+def alignment_surfaces(scene: Scene) -> SurfacePairs:
+    """What `alignment.alignment_error` compares for a scene, on the axis of its shortlist.
+
+    Raises:
+        SceneError: the scene has no candidates.
+        LibraryError: the scene's library is not the one that its shortlist was made from.
+    """
+    shortlists = [_shortlist_of(scene)]
+    return surfaces_of([scene.entities], shortlists, scene.library, scene.settings.alignment)
+
+
+def _shortlist_of(scene: Scene) -> Shortlist:
+    if scene.shortlist is None:
+        raise SceneError(
+            "this scene has no candidates: it is a true one, or its folder lacks stages/",
+            "make candidates for its entities with isr.replace_with_cad",
+        )
+    return scene.shortlist
+
+
+__all__ = ["Scene", "alignment_problem", "alignment_surfaces", "load_scene"]
