@@ -226,9 +226,10 @@ def test_boards_and_handles_keep_their_thickness_when_fitted():
     assert larger.moving_joints == model.moving_joints
 
 
-def test_the_old_name_of_fit_cad_says_the_new_one():
+@pytest.mark.parametrize("old", ["fit"])
+def test_the_old_name_of_fit_cad_says_the_new_one(old):
     with pytest.warns(DeprecationWarning, match="fit_cad"):
-        assert isr.fit is isr.fit_cad is fit_cad
+        assert getattr(isr, old) is fit_cad
 
 
 def test_fitting_takes_a_model_or_its_id_and_the_same_size_changes_nothing_else():

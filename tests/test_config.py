@@ -9,6 +9,8 @@ import re
 
 import pytest
 
+from isr_jax.cad.checking.settings import CheckSettings
+from isr_jax.cad.importing.converting.settings import ConvertSettings
 from isr_jax.config import (
     PRESETS,
     MappingSettings,
@@ -35,9 +37,11 @@ MID_SENTENCE = re.compile(
 
 
 def all_fields():
-    """(section, field) of every setting, and of the noise of rendered films."""
+    """(section, field) of every setting, also of those that are no section of a run's."""
     kinds = {name: type(getattr(Settings(), name)) for name in section_names()}
-    for name, kind in {**kinds, "noise": NoiseModel, "pose noise": PoseNoise}.items():
+    kinds |= {"noise": NoiseModel, "pose noise": PoseNoise}
+    kinds |= {"isr cad check": CheckSettings, "isr cad add": ConvertSettings}
+    for name, kind in kinds.items():
         yield from ((name, field) for field in dataclasses.fields(kind))
 
 

@@ -54,7 +54,7 @@ def noisy(mesh: Mesh, sigma_m: float, seed=0) -> Mesh:
 
 
 def surface_of(*parts: tuple[str, Mesh]) -> PanopticSurface:
-    """One instance a part, but all of one layout class is one instance."""
+    """One instance per part, but all of one layout class is one instance."""
     names = list(
         dict.fromkeys(n if n in ("floor", "wall") else f"{n}#{i}" for i, (n, _) in enumerate(parts))
     )

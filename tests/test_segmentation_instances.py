@@ -38,7 +38,7 @@ shape = [1, {PROTOTYPES}, 16, 16]
 
 
 def cell(box, scores, coefficients) -> np.ndarray:
-    """One column: centre, size, a score a class, coefficients."""
+    """One column: centre, size, one score per class, coefficients."""
     return np.array([*box, *scores, *coefficients], np.float32)
 
 

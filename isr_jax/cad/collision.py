@@ -44,7 +44,7 @@ def with_hulls(
     Models that have hulls of the fast method get new ones when ``method`` is ``coacd``.
 
     Args:
-        method: ``coacd``: a few seconds to a minute a model. ``vhacd``: the fast stand-in, parts
+        method: ``coacd``: a few seconds to a minute per model. ``vhacd``: the fast stand-in, parts
             cut along their axes and vhacd where those swell.
         workers: Processes at a time; by default half of the cores. 0: in this process.
         progress: Told (done, total) after each model that needed hulls.
@@ -149,7 +149,7 @@ def _all_hulls(
 
 
 def _made(model: CadModel, method: HullMethod, worker: Worker | None) -> ModelHulls:
-    """Hulls by the method, else by the other, else one convex hull a link."""
+    """Hulls by the method, else by the other, else one convex hull per link."""
     shapes = link_shapes(model.robot)
     if worker is None:
         return model_hulls(shapes, method)
@@ -166,4 +166,4 @@ def _made(model: CadModel, method: HullMethod, worker: Worker | None) -> ModelHu
 def _convex_hulls(shapes: tuple[LinkShape, ...]) -> ModelHulls:
     links = tuple((hull_of(shape.vertices).mesh(),) if len(shape.faces) else () for shape in shapes)
     reach = max(float(max(s.vertices.max(0) - s.vertices.min(0))) for s in shapes if len(s.faces))
-    return ModelHulls(links, reach, ("no decomposition worked: one convex hull a link",))
+    return ModelHulls(links, reach, ("no decomposition worked: one convex hull per link",))

@@ -15,7 +15,7 @@ from ..robot_model import Joint
 
 
 def library_table(library: CadLibrary, models: Sequence[CadModel] | None = None) -> Table:
-    """A row a model; what all have in common stands below.
+    """One row per model; what all have in common stands below.
 
     Args:
         library: Named in the title.
@@ -49,7 +49,7 @@ def library_table(library: CadLibrary, models: Sequence[CadModel] | None = None)
 
 
 def class_table(library: CadLibrary) -> Table:
-    """A row a class: how many models, how many of them have joints."""
+    """One row per class: how many models, how many of them have joints."""
     table = Table(title=f"{len(library)} models in {escape(library.source)}", title_justify="left")
     for heading in ("class", "models", "with joints"):
         table.add_column(heading)

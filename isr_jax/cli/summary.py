@@ -22,7 +22,7 @@ def run_tables(result: RunResult) -> tuple[RenderableType, ...]:
 
 
 def entity_table(scene: SceneFile) -> Table:
-    """A row an entity: what it stands as, on what, how well the model fits."""
+    """One row per entity: what it stands as, on what, how well the model fits."""
     table = Table(title="entities", title_justify="left")
     for heading in ("entity", "stands as", "on", "fit", "why no model"):
         table.add_column(heading)

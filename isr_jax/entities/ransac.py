@@ -1,4 +1,4 @@
-"""Planes by RANSAC with inliers removed, as one kernel a point set.
+"""Planes by RANSAC with inliers removed, as one kernel per point set.
 
 A draw takes one point, gathers the points near the plane through it along its normal, and fits a
 plane to them; the fit with the most inliers wins and is fitted again. One point a draw finds a

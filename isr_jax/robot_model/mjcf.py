@@ -156,7 +156,7 @@ def add_mesh(
     texture: Texture | None = None,
 ) -> str:
     """Name of the mesh asset with this content, added if it is new."""
-    # MuJoCo has no colours a vertex; without them equal shapes share one file.
+    # MuJoCo has no colours per vertex; without them equal shapes share one file.
     file = files.add(dataclasses.replace(mesh, colors=None), stem, texture)
     name = file.removesuffix(".obj")
     if spec.mesh(name) is None:

@@ -84,7 +84,7 @@ class BoxesAndSemantics:
     def _classify(
         self, frame: Frame, boxes: Boxes, outputs: dict[str, np.ndarray] | None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Our class and its confidence a pixel, as voted by depth segments."""
+        """Our class and its confidence per pixel, as voted by depth segments."""
         shape = (frame.depth_m.shape[0], frame.depth_m.shape[1])
         if self._semantics is None or outputs is None:
             return np.zeros(shape, np.int32), np.zeros(shape, np.float32)

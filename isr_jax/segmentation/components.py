@@ -10,7 +10,7 @@ from jaxtyping import Bool, Int
 def connected_components(
     mask: Bool[np.ndarray, "height width"],
 ) -> tuple[Int[np.ndarray, "height width"], Int[np.ndarray, " components"]]:
-    """Components of 4 neighbours: a label a pixel (0 = outside) and the pixels of each label."""
+    """Components of 4 neighbours: a label per pixel (0 = outside) and the pixels of each label."""
     count, label = cv2.connectedComponents(
         np.ascontiguousarray(mask, np.uint8), connectivity=4, ltype=cv2.CV_32S
     )

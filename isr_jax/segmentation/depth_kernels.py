@@ -234,9 +234,9 @@ def join_edges(
 ) -> Int[Array, "height width"]:
     """Give each unlabelled pixel with depth the label of the nearest labelled point about it.
 
-    The label spreads by a pixel a round, window / 2 rounds, always carrying the point it began
+    The label spreads by one pixel per round, window / 2 rounds, always carrying the point it began
     at, so that a pixel joins within the window and ``distance_m`` of it. Unlike a search of the
-    whole window it never jumps a gap, and needs 8 neighbours a round instead of 80 at once.
+    whole window it never jumps a gap, and needs 8 neighbours per round instead of 80 at once.
     """
     ray_x, ray_y = _ray_slopes(camera)
     step_x, step_y = 1.0 / camera.fx, 1.0 / camera.fy

@@ -23,7 +23,7 @@ _join_edges = jit_wide_vectors(
 def segment_depth(
     depth_m: Float[np.ndarray, "height width"], camera: Camera, settings: SegmentationSettings
 ) -> Int[np.ndarray, "height width"]:
-    """Label of the depth segment a pixel, counted from 1 without gaps; 0 = none.
+    """Label of each pixel's depth segment, counted from 1 without gaps; 0 = none.
 
     Edges are where depth steps or the surface is concave; what lies between them are segments;
     edge pixels then join the nearest one. Small segments are kept: fusion judges them by size.

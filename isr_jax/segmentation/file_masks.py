@@ -80,7 +80,7 @@ def _read_ids(path: Path, frame: Frame) -> Int[np.ndarray, "height width"]:
         raise FrameError(f"{path} is missing or is no PNG", "write the mask of this frame again")
     if image.dtype != np.uint8 or image.ndim != 3:
         raise FrameError(
-            f"{path} is no RGB image of 8 bits a channel",
+            f"{path} is no RGB image of 8 bits per channel",
             "write ids as R + 256 G + 256^2 B (COCO panoptic)",
         )
     if image.shape[:2] != frame.depth_m.shape:
@@ -96,7 +96,7 @@ def _read_ids(path: Path, frame: Frame) -> Int[np.ndarray, "height width"]:
 def _rows(
     ids: Int[np.ndarray, "height width"], annotation: Annotation, path: Path
 ) -> Int[np.ndarray, "height width"]:
-    """Row of the segment a pixel, counted from 1; 0 = none."""
+    """Row of each pixel's segment, counted from 1; 0 = none."""
     known = np.array([0, *annotation.ids], np.int64)
     order = np.argsort(known, kind="stable")
     at = np.minimum(np.searchsorted(known[order], ids), len(order) - 1)

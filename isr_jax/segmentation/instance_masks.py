@@ -19,9 +19,9 @@ def decode_yolo_seg(
 ) -> Boxes:
     """Boxes and masks in pixels of an image of ``shape``, best first.
 
-    A cell is centre, size, a score a class, and p coefficients; its mask is where the sum of the p
-    prototypes times the coefficients is positive (a logit; Bolya et al. 2019), cut off at the box.
-    Suppression is over all classes at once, as in `boxes.decode_yolox`.
+    A cell is centre, size, one score per class, and p coefficients; its mask is where the sum of
+    the prototypes times the coefficients is positive (a logit; Bolya et al. 2019), cut off at the
+    box. Suppression is over all classes at once, as in `boxes.decode_yolox`.
 
     Args:
         outputs: ``cells`` [4 + classes + p, cells] and ``prototypes`` [p, h, w] (or [h, w, p]).

@@ -230,7 +230,7 @@ def _ellipse(frame: TrueFrame, taken: np.ndarray) -> Bool[np.ndarray, "height wi
 
 
 def _layout(frame: TrueFrame, rates: NoiseRates, covered: np.ndarray):
-    """Layout and stuff, one mask a class, with smooth holes where nothing else covers them."""
+    """Layout and stuff, one mask per class, with smooth holes where nothing else covers them."""
     single = {class_named(name).id: share for name, share in rates.class_recall}
     for class_id in frame.stuff_classes:
         recall = single.get(int(class_id), rates.layout_recall)

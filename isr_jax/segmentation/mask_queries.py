@@ -28,7 +28,7 @@ def decode_queries(
     Panoptic inference of MaskFormer (Cheng et al. 2021, section 3.4): of the queries whose best
     label is not "no object" and has a probability p >= ``min_score``, each pixel takes the one
     with the largest p sigmoid(mask); a query keeps its pixels where its sigmoid is at least 1/2,
-    if they are 80 % of all such. What the model or we call stuff is one mask a class; where we
+    if they are 80 % of all such. What the model or we call stuff is one mask per class; where we
     call it a thing all the same (cabinets of COCO), its connected components are the instances.
 
     Args:
@@ -93,7 +93,7 @@ def _labels(
 
 
 def _gather(masks: list[tuple[Mask, bool]]) -> Iterator[Mask]:
-    """Instances as they are, stuff as one mask a class, stuff that we call things in pieces."""
+    """Instances as they are, stuff as one mask per class, stuff that we call things in pieces."""
     kinds = {info.id: info.kind for info in classes()}
     merged: dict[int, list[Mask]] = {}
     for mask, is_thing in masks:

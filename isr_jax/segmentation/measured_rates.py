@@ -26,7 +26,7 @@ class MeasuredRates:
 
     frames: int
     things: int
-    """True things of `MIN_PIXELS`, once a frame."""
+    """True things of `MIN_PIXELS`, once per frame."""
     hits: int
     """Of these, those with a mask of IoU > 0.5, whatever its class."""
     recall: float | None
@@ -36,9 +36,9 @@ class MeasuredRates:
     mean_iou: float | None
     """Of the hits."""
     false_masks: float | None
-    """Masks of things a frame that no true thing matches."""
+    """Masks of things per frame that no true thing matches."""
     merges: float | None
-    """Masks a frame that cover at least half of each of two true things."""
+    """Masks per frame that cover at least half of each of two true things."""
     splits: float | None
     """Things a frame that two masks share, each with a tenth of it and mostly within it."""
     layout_recall: float | None

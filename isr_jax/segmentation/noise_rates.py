@@ -31,7 +31,7 @@ class NoiseRates:
     mean_iou: float
     """Mean IoU of those, merged and split ones among them."""
     false_masks: float
-    """Masks of things a frame that no true thing matches; pieces of split things among them."""
+    """Masks of things per frame that no true thing matches; pieces of split things among them."""
     layout_recall: float
     """Share of the pixels of layout and stuff that carry their class, where ``class_recall`` does
     not say another."""
@@ -75,7 +75,7 @@ def described(rates: NoiseRates) -> str:
     """The rates in one line."""
     line = (
         f"recall {rates.recall:.0%} at IoU 0.5, {rates.right_class:.0%} of hits with the right "
-        f"class, mean IoU {rates.mean_iou:.2f}, {rates.false_masks} false masks a frame, "
+        f"class, mean IoU {rates.mean_iou:.2f}, {rates.false_masks} false masks per frame, "
         f"{rates.layout_recall:.0%} of layout pixels, {rates.merges:.0%} of likely merges, "
         f"{rates.splits:.0%} of hits split"
     )

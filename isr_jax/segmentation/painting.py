@@ -25,7 +25,7 @@ class Mask:
 
 
 def paint(masks: Sequence[Mask], shape: tuple[int, ...]) -> PanopticFrame:
-    """One label a pixel; later masks lie over earlier ones, hidden ones are left out."""
+    """One label per pixel; later masks lie over earlier ones, hidden ones are left out."""
     label = np.zeros(shape, np.int32)
     for k, mask in enumerate(masks, 1):
         label[mask.pixels] = k

@@ -29,7 +29,7 @@ class SimulatedSegmenter:
 
     Their rates are stated (`NoiseRates`). Misses fall first on things that are small, cut by the
     image's border or, where ``views`` says so, occluded; misses, merges, splits and wrong classes
-    last over neighbouring frames. Instances of layout and stuff become one mask a class. Rows
+    last over neighbouring frames. Instances of layout and stuff become one mask per class. Rows
     change from frame to frame. The same frame name and seed give the same masks.
 
     Raises:
@@ -87,7 +87,7 @@ def _kind(scene: TrueFrame, row: int) -> int:
 
 
 def _painted(masks: list[Mask], scene: TrueFrame) -> PanopticFrame:
-    """One label a pixel, in an order of rows that changes from frame to frame."""
+    """One label per pixel, in an order of rows that changes from frame to frame."""
     order = scene.random.permutation(len(masks)) + 1
     label = np.zeros(scene.truth.mask.shape, np.int32)
     class_id, score = np.zeros(len(masks) + 1, np.int32), np.zeros(len(masks) + 1, np.float32)

@@ -1,4 +1,4 @@
-"""Border: viser and trimesh. What the page shows of a results folder, a function a layer."""
+"""Border: viser and trimesh. What the page shows of a results folder, one function per layer."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def add_map(server: Any, scene: SceneFile, result_dir: Path) -> list[Any]:
 
 
 def add_instances(server: Any, scene: SceneFile, result_dir: Path) -> list[Any]:
-    """The panoptic map, a colour an instance."""
+    """The panoptic map, one colour per instance."""
     mesh = _map_mesh(result_dir)
     if mesh is None:
         return []

@@ -1,4 +1,4 @@
-"""What `isr cad check` found: a row a model, reasons first."""
+"""What `isr cad check` found: one row per model, reasons first."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class AddOptions:
     front: _Direction | None = None
     """File frame: where the model faces."""
     unit_m: float | None = None
-    """Metres a unit of length; goes over a stated size, too."""
+    """Metres per unit of length; goes over a stated size, too."""
     licence: str | None = None
     creator: str | None = None
     limits: ReadLimits = dataclasses.field(default_factory=ReadLimits)
@@ -65,7 +65,7 @@ class AddOptions:
         if up is not None and front is not None and abs(_unit(up) @ _unit(front)) > 0.99:
             raise SettingError(f"up {up} and front {front} are one line", "turn one of them")
         if self.unit_m is not None and not 0 < self.unit_m < np.inf:
-            raise SettingError(f"unit_m = {self.unit_m}", "give metres a unit, like 0.01")
+            raise SettingError(f"unit_m = {self.unit_m}", "give metres per unit, like 0.01")
 
 
 @dataclasses.dataclass(frozen=True)

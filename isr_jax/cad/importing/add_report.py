@@ -57,7 +57,7 @@ class AddReport:
 
 
 def report_tables(report: AddReport) -> tuple[Table, ...]:
-    """Models a class, and the reason of every rejection."""
+    """Models per class, and the reason of every rejection."""
     tables = [_class_table(report)]
     if report.rejected:
         table = Table(title=f"{len(report.rejected)} rejected", title_justify="left")

@@ -38,7 +38,7 @@ def draw_models(
     Args:
         models: In this order, row by row.
         path_png: Written.
-        columns: Models in a row.
+        columns: Models per row.
         open_share: How far joints are open, of their range.
         progress: Told (done, total).
 

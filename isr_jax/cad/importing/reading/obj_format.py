@@ -152,7 +152,7 @@ def _corner_rows(corners: list[str]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def parts_of(obj: ObjFile, by_group: bool) -> list[MeshPart]:
-    """One part a material, or a group and material; colours and textures come later.
+    """One part per material, or per group and material; colours and textures come later.
 
     Args:
         obj: The file.

@@ -1,4 +1,4 @@
-"""PartNet-Mobility: a folder a model, ``mobility.urdf`` with ``semantics.txt`` and ``meta.json``.
+"""PartNet-Mobility: one folder per model: ``mobility.urdf``, ``semantics.txt``, ``meta.json``.
 
 Models are scaled to a unit sphere, so they have no unit. The URDF's root stands z up and faces
 -x. ``semantics.txt`` names each link: ``link_0 hinge door``. Visuals called ``handle-<n>`` are

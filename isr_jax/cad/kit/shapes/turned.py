@@ -56,7 +56,7 @@ def shell(
         profile: Heights and outer radii.
         inner: Inner radius at each height, less than the outer one.
         squeeze: Depth over width.
-        sides: Staves a ring.
+        sides: Staves per ring.
         center: Of the axis.
 
     Raises:
