@@ -296,7 +296,11 @@ def _placement(record: EntityRecord) -> Placement:
 
 
 def write_scene(scene: SceneFile, path: Path) -> None:
-    """Write ``scene.json``, checked against the schema first."""
+    """Write ``scene.json``, checked against the schema first.
+
+    Raises:
+        SceneError: the scene breaks the schema; nothing is written.
+    """
     data = _scene_to_json(scene)
     _validate(data, path)
     text = json.dumps(data, indent=1, allow_nan=False) + "\n"

@@ -24,7 +24,7 @@ RETIRED = {
     r"\bisr\.fit\b|cad import fit\b": "fit_cad",
     r"\bcad_types\b|\bcad_arrays\b|\bstage_runner import STAGES as\b": "library",
     r"isr_jax\.(live|fusing|map_making|map_files|demonstration\.demonstration)\b": "map_runs, ...",
-    r"\bmodel_columns\b|\bis_mjcf\b|\bsolid_depth\b|static=True\)": "dead, and gone",
+    r"\bmodel_columns\b|\bis_mjcf\b|\bsolid_depth\b": "dead, and gone",
     r"# fmt: skip": "write what ruff formats well",
 }
 """What was called so, and what it is called now."""

@@ -51,12 +51,16 @@ def draw_scene(
 
 
 def draw_mesh(mesh: Mesh, path_png: Path, *, width: int = 960, height: int = 720) -> None:
-    """Draw a coloured mesh, a panoptic map for one, to a PNG."""
+    """Draw a coloured mesh, a panoptic map for one, to a PNG.
+
+    Raises:
+        OutputError: the picture cannot be written.
+    """
     _draw([mesh], path_png, width, height)
 
 
 def instance_colors(instance: np.ndarray) -> UInt8[np.ndarray, "vertices 3"]:
-    """A colour a vertex that tells instances apart; grey for none."""
+    """A colour per vertex that tells instances apart; grey for none."""
     hue = (np.asarray(instance, np.int64) * 47) % 180
     saturation = np.where(instance % 2 == 0, 170, 110)
     hsv = np.stack([hue, saturation, np.full_like(hue, 225)], -1).astype(np.uint8)

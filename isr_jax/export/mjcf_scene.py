@@ -35,7 +35,11 @@ RENDER_WIDTH, RENDER_HEIGHT = 1280, 960
 def write_mjcf(
     out_dir: Path, slabs: tuple[Slab, ...], bodies: tuple[Body, ...], settings: ExportSettings
 ) -> Path:
-    """Write ``scene.xml`` and ``assets/``; returns the path of the scene."""
+    """Write ``scene.xml`` and ``assets/``; returns the path of the scene.
+
+    Raises:
+        OutputError: the folder cannot be written.
+    """
     contact = ContactModel(
         solref=(max(0.005, 2 * settings.timestep_s), 1.0),
         friction=(settings.friction, 0.005, 0.0001),

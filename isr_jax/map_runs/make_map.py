@@ -68,7 +68,8 @@ def make_map(
         reporter: Receives progress.
 
     Raises:
-        IsrError: whatever is wrong, with the file and the way out.
+        MapError: the map to go on from is none, or is of another camera; or the map cannot go on.
+        IsrError: whatever else is wrong, with the file and the way out.
     """
     settings, reporter = settings or preset("default"), logged(reporter)
     with RunFolder(Path(out_dir), settings):

@@ -21,12 +21,17 @@ def versions() -> dict[str, str]:
 
 
 class RunFolder:
-    """The output folder of a run: made, tried for writing, its log open while the run lasts."""
+    """The output folder of a run: made, tried for writing, its log open while the run lasts.
+
+    Raises:
+        OutputError: on entering, where the folder cannot be written.
+    """
 
     def __init__(self, out_dir: Path, settings: Settings) -> None:
         self._dir, self._settings = out_dir, settings
 
     def __enter__(self) -> None:
+        """Make the folder; raises `OutputError` where it cannot be written."""
         try:
             self._dir.mkdir(parents=True, exist_ok=True)
             (self._dir / "config.toml").write_text(settings_to_toml(self._settings), "utf-8")

@@ -54,6 +54,9 @@ class StageStore:
 
     Args:
         root: The folder; made when missing.
+
+    Raises:
+        OutputError: it cannot be made.
     """
 
     def __init__(self, root: Path) -> None:
@@ -75,7 +78,11 @@ class StageStore:
         return StageKey(stage, version, flat, tuple(sorted(inputs.items())))
 
     def save(self, stage: str, key: StageKey, value: Any) -> str:
-        """Write a result; returns its `content_hash`, which goes into the next stage's key."""
+        """Write a result; returns its `content_hash`, which goes into the next stage's key.
+
+        Raises:
+            OutputError: the folder cannot be written.
+        """
         arrays: dict[str, np.ndarray] = {}
         tree = encode(value, arrays)
         digest = content_hash(value)
@@ -114,13 +121,21 @@ class StageStore:
         return value
 
     def stored_hash(self, stage: str, key: StageKey) -> str | None:
-        """`content_hash` of the stored result without reading its arrays; None as in `load`."""
+        """`content_hash` of the stored result without reading its arrays; None as in `load`.
+
+        Raises:
+            OutputError: the files are damaged.
+        """
         head = self._head(stage)
         same = head is not None and head["key"]["digest"] == key.digest
         return head["content_hash"] if head is not None and same else None
 
     def explain(self, stage: str, key: StageKey) -> str:
-        """What differs between ``key`` and that of the stored result, in words."""
+        """What differs between ``key`` and that of the stored result, in words.
+
+        Raises:
+            OutputError: the files are damaged.
+        """
         head = self._head(stage)
         if head is None:
             return f"{stage}: nothing is stored in {self.root}"
