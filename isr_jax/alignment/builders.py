@@ -11,6 +11,7 @@ from ..config import DEFAULT_SUPPORT, AlignmentSettings, SupportSettings
 from ..errors import LibraryError
 from ..geometry import CUBE_ROTATIONS
 from ..library import CadLibrary, CadModel
+from ..runtime.batches import bucket
 from ..types import Box, ContactGraph, Entities, Entity, Shortlist
 from .error import SurfacePairs
 from .problem import DEFAULT_SETTINGS, AlignmentProblem, default_start
@@ -46,8 +47,8 @@ def problem_of(
     models = models_of(shortlists, library)
     count = bucket(len(models), _MIN_PAIRS)
     turn = np.concatenate([np.zeros(0, np.int32), *(s.rotation for s in shortlists)])
-    rotation = pad_rows(CUBE_ROTATIONS[turn], count)
-    size = pad_rows(np.array([model.size for model in models], np.float32).reshape(-1, 3), count)
+    rotation = _pad_rows(CUBE_ROTATIONS[turn], count)
+    size = _pad_rows(np.array([model.size for model in models], np.float32).reshape(-1, 3), count)
     box, height = _boxes_and_heights(graphs, shortlists, count)
     planes = _matched_planes(entities_of(scenes, shortlists), models, shortlists, count)
     return AlignmentProblem(
@@ -92,8 +93,8 @@ def surfaces_of(
         point_valid=point_valid,
         triangles=triangles,
         triangle_valid=triangle_valid,
-        entity=pad_rows(entity, count),
-        model=pad_rows(model, count),
+        entity=_pad_rows(entity, count),
+        model=_pad_rows(model, count),
         valid=np.arange(count) < len(models),
     )
 
@@ -137,12 +138,7 @@ def spread(
     return vertices[np.linspace(0, len(vertices) - 1, max_points).astype(int)]
 
 
-def bucket(count: int, least: int) -> int:
-    """The power of two that holds ``count``, at least ``least``."""
-    return max(least, 1 << (max(count, 1) - 1).bit_length())
-
-
-def pad_rows(rows: np.ndarray, count: int) -> np.ndarray:
+def _pad_rows(rows: np.ndarray, count: int) -> np.ndarray:
     """The rows, and zeros after them up to ``count``."""
     extra = np.zeros((count - len(rows), *rows.shape[1:]), rows.dtype)
     return np.concatenate([rows, extra])
@@ -158,7 +154,7 @@ def _boxes_and_heights(
             np.asarray(of(graph), np.float32)[shortlist.entity]
             for graph, shortlist in zip(graphs, shortlists, strict=True)
         ]
-        return pad_rows(np.concatenate([np.zeros((0, *width), np.float32), *rows]), count)
+        return _pad_rows(np.concatenate([np.zeros((0, *width), np.float32), *rows]), count)
 
     box = Box(
         center=column(lambda graph: graph.refined_box.center, (3,)),
@@ -211,7 +207,7 @@ def _padded_sets(
     sets: list[np.ndarray], shape: tuple[int, ...]
 ) -> tuple[np.ndarray, Bool[np.ndarray, "sets rows"]]:
     """Ragged sets as one array with its mask."""
-    count = bucket(len(sets), 1)
+    count = bucket(len(sets))
     width = bucket(max(map(len, sets), default=0), _MIN_ROWS)
     rows, valid = np.zeros((count, width, *shape), np.float32), np.zeros((count, width), bool)
     for i, one in enumerate(sets):

@@ -1,0 +1,70 @@
+"""docs/gradients.md: its code runs, block by block, on a scene of one table with a cup on it."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import jax
+import numpy as np
+import pytest
+
+import isr_jax as isr
+from isr_jax.errors import SceneError
+from isr_jax.types import AlignmentStatus
+
+from .builders import box_entity, floor_entity, scene_of
+from .conftest import REPOSITORY
+
+PAGE = (REPOSITORY / "docs" / "gradients.md").read_text("utf-8")
+CODE = re.findall(r"```python\n(.*?)```", PAGE, re.S)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with a scene that was saved at out/kitchen."""
+    table = box_entity(2, "table", (0, 0, 0.37), (1.2, 0.8, 0.74), 0.2)
+    cup = box_entity(3, "cup", (0.1, 0.1, 0.79), (0.08, 0.08, 0.1))
+    here = tmp_path_factory.mktemp("page")
+    isr.replace_with_cad(scene_of(floor_entity(), table, cup)).save(here / "out" / "kitchen")
+    return here
+
+
+def test_the_code_of_the_page_runs(folder, monkeypatch, capsys):
+    """Block by block, as one script; what it finds agrees with itself."""
+    monkeypatch.chdir(folder)
+    names: dict = {}
+    for block in CODE:
+        exec(block, names)
+    problem, solution = names["problem"], names["solution"]
+    count = len(names["scene"].shortlist.entity)
+    assert problem.valid.sum() == count > 5
+    usable = [AlignmentStatus(int(status)).usable for status in solution.status[:count]]
+    assert all(usable)
+    assert float(names["costs"][1]) == pytest.approx(float(solution.cost.sum()), rel=1e-3)
+    assert names["by_input"].valid is None and names["by_input"].plane_supporting is None
+    for tree in (names["by_weight"], names["by_input"], names["by_box"], names["slope"]):
+        assert all(np.all(np.isfinite(leaf)) for leaf in jax.tree.leaves(tree))
+    for leaf in jax.tree.leaves((names["scale_by_weight"], names["by_input"])):
+        assert np.all(np.asarray(leaf)[count:] == 0)
+    # A higher box wants a larger model.
+    assert names["by_box"].size[:count, 2].sum() > 0
+    grad, difference = map(float, capsys.readouterr().out.splitlines()[-1].split())
+    assert grad == pytest.approx(difference, rel=1e-3, abs=1e-6) and grad != 0
+    aligned = names["scene"].aligned
+    still = aligned.status != AlignmentStatus.SLID
+    np.testing.assert_allclose(aligned.cost[still], solution.cost[:count][still], rtol=1e-4)
+    mean = float(isr.alignment_error(solution, names["surfaces"]).sum()) / count
+    assert float(names["error_m"]) == pytest.approx(mean, rel=1e-4)
+
+
+def test_every_status_is_in_the_table():
+    for status in AlignmentStatus:
+        assert f"\n| {status.label} |" in PAGE
+
+
+def test_a_scene_without_candidates_is_refused(folder):
+    scene = isr.load_scene(folder / "out" / "kitchen")
+    for door in (isr.alignment_problem, isr.alignment_surfaces):
+        with pytest.raises(SceneError, match="has no candidates"):
+            door(dataclasses.replace(scene, shortlist=None, aligned=None))
