@@ -65,5 +65,5 @@ def test_every_status_is_in_the_table():
 def test_a_scene_without_candidates_is_refused(folder):
     scene = isr.load_scene(folder / "out" / "kitchen")
     for door in (isr.alignment_problem, isr.alignment_surfaces):
-        with pytest.raises(SceneError, match="has no candidates"):
+        with pytest.raises(SceneError, match="1 of 1 scenes hold no candidates"):
             door(dataclasses.replace(scene, shortlist=None, aligned=None))
