@@ -49,8 +49,7 @@ def test_the_code_of_the_page_runs(folder, monkeypatch, capsys):
         assert np.all(np.asarray(leaf)[count:] == 0)
     # A higher box wants a larger model.
     assert names["by_box"].size[:count, 2].sum() > 0
-    grad, difference = map(float, capsys.readouterr().out.splitlines()[-1].split())
-    assert grad == pytest.approx(difference, rel=1e-3, abs=1e-6) and grad != 0
+    assert f"mean AE {1000 * names['error_m']:.1f} mm" in capsys.readouterr().out
     aligned = names["scene"].aligned
     still = aligned.status != AlignmentStatus.SLID
     np.testing.assert_allclose(aligned.cost[still], solution.cost[:count][still], rtol=1e-4)
@@ -66,5 +65,5 @@ def test_every_status_is_in_the_table():
 def test_a_scene_without_candidates_is_refused(folder):
     scene = isr.load_scene(folder / "out" / "kitchen")
     for door in (isr.alignment_problem, isr.alignment_surfaces):
-        with pytest.raises(SceneError, match="has no candidates"):
+        with pytest.raises(SceneError, match="1 of 1 scenes hold no candidates"):
             door(dataclasses.replace(scene, shortlist=None, aligned=None))
