@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 
+import jax
 import numpy as np
 
 from isr_jax.classes import class_named
 from isr_jax.geometry import stack_boxes, support_heights
 from isr_jax.geometry.boxes import canonical_box
-from isr_jax.library import CadLibrary, CadModel, held
+from isr_jax.library import CadLibrary, CadModel, held, library_arrays
 from isr_jax.robot_model import Link, RobotModel, Visual
 from isr_jax.types import ContactGraph, Entities, Entity, Mesh, PlaneSet
 
@@ -111,12 +112,7 @@ def parts_model(cad_id, class_name, parts, density=500.0, supporting_top=True) -
         inertia,
     )
     planes = [box_planes(size, center) for size, center in parts]
-    merged = PlaneSet(
-        *(
-            np.concatenate([getattr(p, f) for p in planes])
-            for f in ("normal", "offset", "corners", "area_m2", "valid")
-        )
-    )
+    merged = jax.tree.map(lambda *leaves: np.concatenate(leaves), *planes)
     count = len(merged.offset)
     return CadModel(
         id=cad_id,
@@ -162,6 +158,12 @@ def table_model(cad_id="table/test", size=(1.2, 0.8, 0.74)) -> CadModel:
 def library_of(*models: CadModel) -> CadLibrary:
     models = tuple(sorted(models, key=lambda m: m.id))
     return CadLibrary(models, "test library", "+".join(m.content_hash for m in models))
+
+
+def planes_that_count(planes: PlaneSet, supporting: np.ndarray) -> np.ndarray:
+    """Those of a model that matching reads, ascending."""
+    arrays = library_arrays([np.ones(3)], [planes], [supporting], [1])
+    return arrays.column[0, arrays.valid[0]]
 
 
 def support_graph(

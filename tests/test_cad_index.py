@@ -24,9 +24,9 @@ from isr_jax.classes import Mount
 from isr_jax.errors import LibraryError
 from isr_jax.geometry.surface_samples import surface_samples
 from isr_jax.library import CadModel, Collision
-from isr_jax.library.arrays import MAX_MODEL_PLANES, counted_planes
+from isr_jax.library.arrays import MAX_MODEL_PLANES
 
-from .builders import box_mesh, library_of, table_model
+from .builders import box_mesh, library_of, planes_that_count, table_model
 from .furniture import bookshelf_model, chair_model
 from .physics_scenes import cabinet_model
 
@@ -279,7 +279,7 @@ def test_arrays_hold_the_planes_that_count():
     assert arrays.normal.shape == (4, MAX_MODEL_PLANES, 3)
     assert max(len(m.plane_link) for m in models) > MAX_MODEL_PLANES
     for row, model in enumerate(library_of(*models).models):
-        rows = counted_planes(model.planes, model.plane_supporting)
+        rows = planes_that_count(model.planes, model.plane_supporting)
         n = arrays.plane_count[row]
         assert n == len(rows) and np.all(arrays.valid[row] == (np.arange(MAX_MODEL_PLANES) < n))
         np.testing.assert_array_equal(arrays.column[row, :n], rows)
@@ -302,11 +302,11 @@ def test_a_shelf_of_many_boards_keeps_its_sides():
     planes = jax.tree.map(lambda leaf: np.repeat(leaf[:1], count, 0), table_model().planes)
     planes = dataclasses.replace(planes, area_m2=np.linspace(1.0, 2.0, count, dtype=np.float32))
     supporting = np.arange(count) < boards
-    rows = counted_planes(planes, supporting)
+    rows = planes_that_count(planes, supporting)
     assert len(rows) == MAX_MODEL_PLANES
     assert set(np.flatnonzero(~supporting)[-6:]) <= set(rows.tolist())
-    assert len(counted_planes(planes, np.ones(count, bool))) == MAX_MODEL_PLANES
-    few = counted_planes(planes, np.arange(count) < 2)
+    assert len(planes_that_count(planes, np.ones(count, bool))) == MAX_MODEL_PLANES
+    few = planes_that_count(planes, np.arange(count) < 2)
     assert {0, 1} <= set(few.tolist()) and len(few) == MAX_MODEL_PLANES
 
 
@@ -315,12 +315,7 @@ def test_arrays_of_nothing_and_of_models_without_planes():
     bare = table_model()
     none = dataclasses.replace(
         bare,
-        planes=type(bare.planes)(
-            *(
-                getattr(bare.planes, f)[:0]
-                for f in ("normal", "offset", "corners", "area_m2", "valid")
-            )
-        ),
+        planes=jax.tree.map(lambda leaf: leaf[:0], bare.planes),
         plane_link=(),
         plane_supporting=bare.plane_supporting[:0],
     )

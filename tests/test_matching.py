@@ -15,7 +15,7 @@ from isr_jax.config import MatchingSettings, SupportSettings, preset
 from isr_jax.geometry import CUBE_ROTATIONS, canonical_box, transform_planes
 from isr_jax.library import CadModel
 from isr_jax.matching import assignment_cost, match, matching_errors
-from isr_jax.matching.features import carrying_planes, entity_rows, model_columns
+from isr_jax.matching.queries import entity_rows
 from isr_jax.types import ROOM, UNSUPPORTED, Box, ContactGraph, Entities, Entity, Mesh, PlaneSet
 
 from .builders import (
@@ -23,6 +23,7 @@ from .builders import (
     floor_entity,
     library_of,
     parts_model,
+    planes_that_count,
     scene_of,
     support_graph,
     table_model,
@@ -61,8 +62,9 @@ def copy_of(
     """An entity that is a scaled and turned copy of a model, with its largest planes seen."""
     turn = (rotation_z(yaw) @ CUBE_ROTATIONS[rotation]).astype(np.float32)
     shift, area = np.asarray(shift, np.float32), np.asarray(model.planes.area_m2)
-    seen = np.sort(np.intersect1d(np.argsort(-area, kind="stable")[:planes], model_columns(model)))
     of = model.planes
+    largest = np.argsort(-area, kind="stable")[:planes]
+    seen = np.intersect1d(largest, planes_that_count(of, model.plane_supporting))
     factor = np.asarray(scale, np.float32)
     normal, offset = transform_planes(factor, turn, shift, of.normal[seen], of.offset[seen])
     corners = scale * of.corners[seen] @ turn.T + shift
@@ -169,9 +171,9 @@ def test_errors_agree_with_twin(seed, matching):
     for position, entity in enumerate(scene):
         models = library.matching_class(entity.class_name)
         chosen = [library[int(m)] for m in models]
-        carrying = carrying_planes(graph, position)
+        carrying = np.unique(graph.support_plane[graph.children(position)])
         rows = entity_rows(entity.planes, carrying)
-        columns = [model_columns(m) for m in chosen]
+        columns = [planes_that_count(m.planes, m.plane_supporting) for m in chosen]
         table = slow.all_errors(
             entity.box, entity.planes, rows, set(carrying), chosen, columns, every, UP
         )
@@ -367,7 +369,7 @@ def test_of_many_planes_those_that_carry_and_the_largest_count():
 
 def test_of_a_models_many_planes_supporting_ones_stay():
     model = table_model()
-    columns = model_columns(model)
+    columns = planes_that_count(model.planes, model.plane_supporting)
     assert len(model.planes.offset) == 30 and len(columns) == 16
     assert set(np.flatnonzero(model.plane_supporting)) <= set(columns.tolist())
 
@@ -418,9 +420,8 @@ def test_backs_go_to_the_wall(distance_m):
     found = match([scene], [graph_of(scene)], library_of(model), every)[0]
     near = distance_m < DEFAULT.wall_distance_m
     table = slow.all_errors(
-        cabinet.box, cabinet.planes, [], set(), [model], [[]], every, UP,
-        normal if near else None,
-    )  # fmt: skip
+        cabinet.box, cabinet.planes, [], set(), [model], [[]], every, UP, normal if near else None
+    )
     np.testing.assert_allclose(found.error, table[0, found.rotation], atol=ERROR)
     away = found.error[found.rotation == 2] - found.error[found.rotation == 0]
     np.testing.assert_allclose(away, 2 * DEFAULT.weight_wall * near, atol=ERROR)

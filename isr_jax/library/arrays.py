@@ -41,25 +41,30 @@ class LibraryArrays:
         return self.valid.sum(1)
 
 
-def counted_planes(planes: PlaneSet, supporting: np.ndarray) -> Int[np.ndarray, " planes"]:
-    """Planes of a model that count, ascending: supporting ones before others, large ones first,
-    with room kept for the largest sides."""
-    return _counted(planes.valid, planes.area_m2, supporting, np.zeros(len(supporting), np.int32))
-
-
 def library_arrays(
     sizes: Sequence[np.ndarray],
     planes: Sequence[PlaneSet],
     supporting: Sequence[np.ndarray],
     symmetry: Sequence[int],
 ) -> LibraryArrays:
-    """Arrays of the models in their order, padded to `MAX_MODEL_PLANES`."""
+    """Arrays of the models in their order, padded to `MAX_MODEL_PLANES`.
+
+    Of a model with more planes supporting ones count before others and large ones first, with room
+    kept for the largest sides. All planes of all models are placed at once, as one flat table: a
+    library holds thousands.
+
+    Args:
+        sizes: Box of each model, metres.
+        planes: Unpadded, canonical frame.
+        supporting: Which of the planes carry.
+        symmetry: As in `CadModel`.
+    """
     counts = np.array([len(p.offset) for p in planes], np.int64)
     owner = np.repeat(np.arange(len(counts)), counts)
     first = np.cumsum(counts) - counts
     carries = _joined([*supporting], (), bool)
     area = _joined([p.area_m2 for p in planes])
-    keep = _counted(_joined([p.valid for p in planes], (), bool), area, carries, owner)
+    keep = _rows_that_count(_joined([p.valid for p in planes], (), bool), area, carries, owner)
     row = owner[keep]
     slot = np.arange(len(keep)) - np.searchsorted(row, row)
 
@@ -83,11 +88,16 @@ def library_arrays(
     )
 
 
-def _counted(valid, area_m2, supporting, owner) -> np.ndarray:
+def _rows_that_count(
+    valid: Bool[np.ndarray, " planes"],
+    area_m2: Float[np.ndarray, " planes"],
+    supporting: Bool[np.ndarray, " planes"],
+    owner: Int[np.ndarray, " planes"],
+) -> Int[np.ndarray, " rows"]:
     """Rows of a flat table of planes that count, ascending; ``owner`` ascends too."""
-    rows = np.flatnonzero(np.asarray(valid))
-    other = ~np.asarray(supporting)[rows]
-    order = np.lexsort((-np.asarray(area_m2)[rows], other, owner[rows]))
+    rows = np.flatnonzero(valid)
+    other = ~supporting[rows]
+    order = np.lexsort((-area_m2[rows], other, owner[rows]))
     rows, other = rows[order], other[order]
     group, twice = 2 * owner[rows] + other, 2 * owner[rows]
     rank = np.arange(len(rows)) - np.searchsorted(group, group)

@@ -1,48 +1,25 @@
-"""Matching errors D of (entity, model) pairs in all 24 rotations, in blocks of one size."""
+"""Matching errors D of every query with its models, in blocks of one size (host)."""
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
 
 from ..config import MatchingSettings
-from ..geometry import CUBE_ROTATIONS
+from ..geometry import stack_boxes, stack_planes
 from ..library import CadLibrary
 from ..library.arrays import MAX_MODEL_PLANES
-from ..types import Array, ContactGraph, Entity
-from .assignment import assignment_cost
-from .costs import EntityFeatures, ModelFeatures, pair_terms
-from .features import MAX_ENTITY_PLANES, entity_features, model_features
+from ..runtime.batches import in_blocks, take_rows
+from .distance import EntityFeatures, ModelFeatures, matching_errors
+from .queries import MAX_ENTITY_PLANES, Query
 
 BLOCK = 32
-"""Pairs a call: 768 lanes, whose 2^8 sets stay in the cache (measured: 2x the speed of 1536)."""
-_ROWS = (4, 6, MAX_ENTITY_PLANES)
-_COLUMNS = (MAX_MODEL_PLANES // 2, MAX_MODEL_PLANES)
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Query:
-    """One entity that looks for models."""
-
-    scene: int
-    position: int
-    entity: Entity
-    graph: ContactGraph
-    models: Int[np.ndarray, " models"]
-    """Positions in the library."""
-    rows: Int[np.ndarray, " rows"]
-    """Its planes that count."""
-    wall_normal: Float[np.ndarray, "3"]
-
-    def features(self, width: int) -> EntityFeatures:
-        return entity_features(
-            self.entity, self.graph, self.position, self.rows, width, self.wall_normal
-        )
+"""Pairs per call: 768 lanes, whose 2^8 sets stay in the cache (measured: 2x the speed of 1536)."""
+_ROWS = np.array([4, 6, MAX_ENTITY_PLANES])
+_COLUMNS = np.array([MAX_MODEL_PLANES // 2, MAX_MODEL_PLANES])
+"""Numbers of planes of entities and of models that kernels are compiled for."""
 
 
 def all_errors(
@@ -50,59 +27,74 @@ def all_errors(
     library: CadLibrary,
     settings: MatchingSettings,
     up_cosine: float,
-) -> list[Float[np.ndarray, "models 24"]]:
+) -> list[Float[np.ndarray, "_ 24"]]:
     """D of every (query, model, rotation); inf where the model is rejected.
 
-    Pairs are grouped by the padded number of planes, since the assignment's cost doubles with
+    Pairs are grouped by the padded numbers of planes, since the assignment's cost doubles with
     each plane of the entity.
     """
-    results = [np.full((len(q.models), 24), np.inf, np.float32) for q in queries]
+    counts = [len(query.models) for query in queries]
+    owner = np.repeat(np.arange(len(queries)), counts)
+    model = np.concatenate([np.zeros(0, np.int32), *(query.models for query in queries)])
+    error = np.full((len(owner), 24), np.inf, np.float32)
+    height = _padded_size(np.array([len(query.rows) for query in queries], int), _ROWS)[owner]
+    width = _padded_size(library.arrays.plane_count, _COLUMNS)[model]
     numbers = _numbers(settings, up_cosine)
-    for (height, width), members in _by_shape(queries, library).items():
-        number, slot, model = np.array(members).T
-        askers, x_row = np.unique(number, return_inverse=True)
-        asked, y_row = np.unique(model, return_inverse=True)
-        x = stack([queries[n].features(height) for n in askers.tolist()])
-        y = model_features(library.arrays, asked, width)
-        for rows, count in blocks(len(members)):
-            error = matching_errors(take(x, x_row[rows]), take(y, y_row[rows]), *numbers)
-            for row, each in zip(rows[:count], np.asarray(error), strict=False):
-                results[number[row]][slot[row]] = each
-    return results
+    for shape in np.unique(np.stack([height, width], 1), axis=0):
+        pairs = np.flatnonzero((height == shape[0]) & (width == shape[1]))
+        entities, x_row = np.unique(owner[pairs], return_inverse=True)
+        models, y_row = np.unique(model[pairs], return_inverse=True)
+        x = entity_features([queries[number] for number in entities.tolist()], int(shape[0]))
+        y = model_features(library, models, int(shape[1]))
+        error[pairs] = _pair_errors(x, x_row, y, y_row, numbers)
+    return np.split(error, np.cumsum(counts)[:-1]) if queries else []
 
 
-def _by_shape(
-    queries: Sequence[Query], library: CadLibrary
-) -> dict[tuple[int, int], list[tuple[int, int, int]]]:
-    """(query, slot, model) of every pair, by the padded numbers of planes of both."""
-    groups: dict[tuple[int, int], list[tuple[int, int, int]]] = {}
-    columns = [_width(count, _COLUMNS) for count in library.arrays.plane_count.tolist()]
-    for number, query in enumerate(queries):
-        for slot, model in enumerate(query.models.tolist()):
-            shape = _width(len(query.rows), _ROWS), columns[model]
-            groups.setdefault(shape, []).append((number, slot, model))
-    return groups
+def _pair_errors(
+    x: EntityFeatures,
+    x_row: Int[np.ndarray, " pairs"],
+    y: ModelFeatures,
+    y_row: Int[np.ndarray, " pairs"],
+    numbers: tuple[np.ndarray, ...],
+) -> Float[np.ndarray, "pairs 24"]:
+    """D of pairs of rows of ``x`` and ``y``."""
+
+    def arguments(pairs):
+        return take_rows(x, x_row[pairs]), take_rows(y, y_row[pairs]), *numbers
+
+    return in_blocks(matching_errors, arguments, len(x_row), BLOCK)
 
 
-def _width(count: int, buckets: tuple[int, ...]) -> int:
-    return next(b for b in buckets if b >= count)
+def _padded_size(
+    count: Int[np.ndarray, " sets"], sizes: Int[np.ndarray, " sizes"]
+) -> Int[np.ndarray, " sets"]:
+    """The least of the sizes that holds each count."""
+    return sizes[np.searchsorted(sizes, count)]
 
 
-def blocks(total: int) -> Iterator[tuple[np.ndarray, int]]:
-    """Rows `BLOCK` at a time and how many of them are new: every call has one shape."""
-    for first in range(0, total, BLOCK):
-        rows = np.arange(first, first + BLOCK)
-        yield np.where(rows < total, rows, first), min(BLOCK, total - first)
+def entity_features(queries: Sequence[Query], width: int) -> EntityFeatures:
+    """Features [queries] of entities, their planes that count padded to ``width``."""
+    planes = stack_planes([take_rows(q.entity.planes, q.rows) for q in queries], width)
+    carries = np.zeros((len(queries), width), bool)
+    for row, query in zip(carries, queries, strict=True):
+        row[: len(query.rows)] = query.carries
+    return EntityFeatures(
+        box=stack_boxes([query.box for query in queries]),
+        normal=planes.normal,
+        offset=planes.offset,
+        valid=planes.valid,
+        carries=carries,
+        wall_normal=np.stack([query.wall_normal for query in queries]),
+    )
 
 
-def stack(rows: list):
-    """Feature rows as one batch."""
-    return jax.tree.map(lambda *leaves: np.stack(leaves), *rows)
-
-
-def take(batch, rows: np.ndarray):
-    """The same rows of every array of a batch."""
-    return jax.tree.map(lambda leaf: leaf[rows], batch)
+def model_features(
+    library: CadLibrary, models: Int[np.ndarray, " models"], width: int
+) -> ModelFeatures:
+    """Features [models] of models of a library, their planes that count cut to ``width``."""
+    arrays = library.arrays
+    normal, offset = arrays.normal[models, :width], arrays.offset[models, :width]
+    return ModelFeatures(arrays.size[models], normal, offset, arrays.valid[models, :width])
 
 
 def _numbers(settings: MatchingSettings, up_cosine: float) -> tuple[np.ndarray, ...]:
@@ -115,39 +107,3 @@ def _numbers(settings: MatchingSettings, up_cosine: float) -> tuple[np.ndarray, 
     ]
     values = (weights, settings.unmatched_cost, up_cosine)
     return tuple(np.asarray(value, np.float32) for value in values)
-
-
-@jax.jit
-def matching_errors(
-    x: EntityFeatures,
-    y: ModelFeatures,
-    weights: Float[Array, "4"],
-    unmatched_cost: Float[Array, ""],
-    up_cosine: Float[Array, ""],
-) -> Float[Array, "pairs 24"]:
-    """D(x, y) = w_s d_s + w_pi d_pi + w_b d_b + w_w d_w of pairs, in all 24 rotations of y.
-
-    Args:
-        x: [pairs] entities.
-        y: [pairs] models.
-        weights: w_s, w_pi, w_b, w_w.
-        unmatched_cost: Of a plane of x without partner; inf rejects the model.
-        up_cosine: A plane is supporting if its normal's z is at least this.
-    """
-    rotations = jnp.asarray(CUBE_ROTATIONS)
-    one_pair = jax.vmap(pair_terms, (None, None, 0, None))
-    terms = jax.vmap(one_pair, (0, 0, None, None))(x, y, rotations, up_cosine)
-    pairs, turns, rows, columns = terms.plane_cost.shape
-    cost = jnp.moveaxis(terms.plane_cost.reshape(pairs * turns, rows, columns), 0, -1)
-    price = jnp.repeat(unmatched_price(x, unmatched_cost), turns, axis=0).T
-    planes = assignment_cost(cost, price).reshape(pairs, turns)
-    total = weights[0] * terms.size + weights[1] * planes
-    total += weights[2] * terms.upright + weights[3] * terms.wall
-    return jnp.where(jnp.isfinite(planes), total, jnp.inf)  # a weight of 0 times inf is NaN
-
-
-def unmatched_price(
-    x: EntityFeatures, unmatched_cost: Float[Array, ""]
-) -> Float[Array, "*batch rows"]:
-    """What it costs to leave a plane without partner; inf where a child stands on it."""
-    return jnp.where(x.valid, jnp.where(x.carries, jnp.inf, unmatched_cost), 0.0)

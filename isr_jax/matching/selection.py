@@ -1,8 +1,9 @@
-"""The best (model, rotation) pairs of one entity (host)."""
+"""The best (model, rotation) pairs of every query (host)."""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -10,6 +11,7 @@ from jaxtyping import Float, Int
 from ..config import MatchingSettings
 from ..geometry import CUBE_ROTATIONS
 from ..library import CadLibrary
+from .queries import Query
 
 _UPRIGHT_TURNS = 4
 """The first of `CUBE_ROTATIONS` are the turns about z."""
@@ -18,24 +20,53 @@ _TIE = 1e-5
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Picked:
-    """The chosen (model, rotation) of one entity, best first."""
+class Best:
+    """The chosen (query, model, rotation) on one flat axis, sorted by query, then error."""
 
-    model: Int[np.ndarray, " picked"]
-    rotation: Int[np.ndarray, " picked"]
-    error: Float[np.ndarray, " picked"]
+    query: Int[np.ndarray, " best"]
+    model: Int[np.ndarray, " best"]
+    """Position in the library."""
+    rotation: Int[np.ndarray, " best"]
+    """Row of `CUBE_ROTATIONS`."""
+    error: Float[np.ndarray, " best"]
+    """D."""
 
 
-def pick_best(
+def best_of(
+    queries: Sequence[Query],
+    errors: Sequence[Float[np.ndarray, "_ 24"]],
+    library: CadLibrary,
+    settings: MatchingSettings,
+) -> Best:
+    """The best of each query.
+
+    Args:
+        queries: Entities and their models.
+        errors: D of each query's models in all rotations; inf is never chosen.
+        library: The models.
+        settings: How many of them.
+    """
+    none = np.zeros(0, np.int32)
+    parts = [(none, none, none, np.zeros(0, np.float32))]
+    for number, (query, error) in enumerate(zip(queries, errors, strict=True)):
+        slot, rotation = _best_pairs(query.models, error, library, settings)
+        owner = np.full(len(slot), number, np.int32)
+        model = query.models[slot].astype(np.int32)
+        parts.append((owner, model, rotation, error[slot, rotation]))
+    return Best(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _best_pairs(
     models: Int[np.ndarray, " models"],
     error: Float[np.ndarray, "models 24"],
     library: CadLibrary,
     settings: MatchingSettings,
-) -> Picked:
-    """The ``shortlist`` smallest errors; ties go to the first model, then the first rotation.
+) -> tuple[Int[np.ndarray, " best"], Int[np.ndarray, " best"]]:
+    """(row, rotation) of the ``shortlist`` smallest errors of one query, best first.
 
-    Of an entity that was seen from one side only, D says little about which way a model turns:
-    the first ``turned_models`` of its models also come in the upright turns that are missing.
+    Ties go to the first model, then the first rotation. Of an entity that was seen from one side
+    only, D says little about which way a model turns: the first ``turned_models`` of its models
+    also come in the upright turns that are missing.
     """
     slot, rotation = (a.ravel().astype(np.int32) for a in np.indices(error.shape))
     flat, model = error.ravel(), models[slot].astype(np.int32)
@@ -49,7 +80,7 @@ def pick_best(
     turned &= rotation[order] < _UPRIGHT_TURNS
     turned[: settings.shortlist] = True
     order = order[turned]
-    return Picked(model[order], rotation[order], flat[order])
+    return slot[order], rotation[order]
 
 
 def _without_twins(

@@ -27,7 +27,7 @@ def assignment_by_trial(cost: np.ndarray, unmatched: np.ndarray) -> float:
 
 
 def assignment(cost: np.ndarray, unmatched: np.ndarray) -> float:
-    """The same by scipy, with one column more a row for "none"."""
+    """The same by scipy, with one more column per row for "none"."""
     alone = np.full((len(cost), len(cost)), FORBIDDEN)
     np.fill_diagonal(alone, np.minimum(unmatched, FORBIDDEN))
     full = np.concatenate([np.minimum(cost, FORBIDDEN), alone], 1)
