@@ -344,7 +344,7 @@ def settled() -> StabilityReport:
     variants = VariantRates(1.0, None, 0.5)
     still = SetReport("as exported", (), (), (), 0.002, 0.001, 3, {}, 1.0, 5.0, None, variants, 0)
     return StabilityReport(
-        "scene.xml", still, still, ResetReport(0, 0.002, 0, None), ("cup_1",), (), (), 0.01, 2
+        "scene.xml", still, still, None, ResetReport(0, 0.002, 0, None), ("cup_1",), (), (), 0.01, 2
     )
 
 
@@ -476,7 +476,7 @@ def test_kinds_take_turns_in_each_split():
     assert [s.seed for s in specs] == [*range(100, 112, 2), *range(101, 112, 2)]
     assert specs[0].kind == specs[5].kind and len({s.kind for s in specs[:5]}) == 5
     assert [s.kind for s in specs[:6]] == [s.kind for s in specs[6:]]
-    with pytest.raises(SettingError, match="at least one a split"):
+    with pytest.raises(SettingError, match="at least one per split"):
         room_specs(("in-library", "held-out"), 1, 100)
 
 

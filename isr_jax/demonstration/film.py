@@ -84,6 +84,8 @@ def film_room(
     Raises:
         OutputError: the folder holds something else.
         SettingError: there is no such kind of room, or no frame is asked for.
+        LibraryError: the library lacks what such a room cannot be without.
+        SceneError: no room was found that stands.
         LibraryError: the library lacks what a room cannot be without.
     """
     out_dir, reporter = Path(out_dir), reporter or LogReporter()

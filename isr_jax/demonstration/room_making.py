@@ -74,7 +74,9 @@ def standing_room(
         reporter: Told what was taken away.
 
     Raises:
-        SceneError: something still moves after `_ROUNDS` rounds.
+        SceneError: no arrangement was found, or something still moves after `_ROUNDS` rounds.
+        LibraryError: the library lacks what such a room cannot be without.
+        SettingError: there is no such kind of room.
     """
     room = synthetic.make_room(seed, library, kind=kind, ceiling=ceiling)
     return made_to_stand(room, library, twin_dir=twin_dir, reporter=reporter)

@@ -80,6 +80,9 @@ def studio(
         class_names: Of each surface.
         surfaces: In the order in which their faces are counted.
         normal: Of those faces, world frame.
+
+    Raises:
+        LibraryError: a texture is no image that can be read.
     """
     wears: Atlas = atlas(surfaces)
     pattern = [
