@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..geometry import convex_overlap_area
+from ..runtime.batches import bucket
 from ..types import Array
 
 _MIN_PAIRS = 16
@@ -36,7 +37,7 @@ def contact_ratios(planes: np.ndarray, footprints: np.ndarray) -> np.ndarray:
     count = len(planes)
     if count == 0:
         return np.zeros(0, np.float32)
-    extra = max(_MIN_PAIRS, 1 << (count - 1).bit_length()) - count
+    extra = bucket(count, _MIN_PAIRS) - count
     pad = functools.partial(np.pad, pad_width=((0, extra), (0, 0), (0, 0)))
     planes, footprints = pad(planes.astype(np.float32)), pad(footprints.astype(np.float32))
     return np.asarray(_batched(planes, footprints, _quad_area(footprints)))[:count]

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ...geometry import box_iou
+from ...runtime.batches import bucket
 from ...scene_file import EntityRecord
 from ...types import Array, Box
 from ..figures import Headline, mean, percent
@@ -27,7 +28,7 @@ def box_iou_matrix(a: list[Box], b: list[Box]) -> Float[np.ndarray, "a b"]:
     if not a or not b:
         return np.zeros((len(a), len(b)), np.float32)
     # One bucket for both, so that few shapes are compiled.
-    size = 1 << (max(len(a), len(b), _LEAST) - 1).bit_length()
+    size = bucket(max(len(a), len(b)), _LEAST)
     iou = _all_pairs(_stacked(a, size), _stacked(b, size))
     return np.asarray(iou)[: len(a), : len(b)]
 

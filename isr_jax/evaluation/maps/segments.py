@@ -13,10 +13,13 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from ...classes import class_named, classes
+from ...runtime.batches import bucket
 from ..result_files import Result, Truth
 from .labels import REACH_M, Transfer, false_cells
 from .panoptic import PanopticQuality, contingency, panoptic_quality
 
+_LEAST = 8
+"""Segments, or points, that a call is padded to at least."""
 MIN_POINTS = 10
 """True segments of which the camera saw less (0.4 dm^2 on the 2 cm grid) are not asked for, and
 predicted segments with less are not counted."""
@@ -112,7 +115,7 @@ def _compared(
     size: Int[np.ndarray, " predicted"],
 ) -> Comparison:
     """In buckets of powers of two, so that another scene compiles nothing."""
-    t, p, n = (_bucket(v) for v in (len(true.ids), len(predicted.ids), len(row)))
+    t, p, n = (bucket(v, _LEAST) for v in (len(true.ids), len(predicted.ids), len(row)))
 
     def pad(values: np.ndarray, length: int, fill: int) -> np.ndarray:
         return np.pad(values, (0, length - len(values)), constant_values=fill).astype(np.int32)
@@ -129,7 +132,3 @@ def _compared(
     )
     counts = np.asarray(shared)[: len(true.ids), : len(predicted.ids)]
     return Comparison(true, predicted, counts, true_size, size, quality)
-
-
-def _bucket(count: int) -> int:
-    return 1 << max(count - 1, 7).bit_length()

@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from ...geometry import box_overlap_depth
 from ...library import CadModel
+from ...runtime.batches import bucket
 from ...types import Array, Box
 from .clearance import meshes_apart
 from .proposal import Proposal
@@ -173,6 +174,6 @@ def _depths(
 
 def _padded(rows: Float[np.ndarray, "boxes 7"]) -> Float[np.ndarray, "padded 7"]:
     """With copies of the first up to a power of two, so that few shapes are compiled."""
-    count = max(2 * TRIES, 1 << (len(rows) - 1).bit_length())
+    count = bucket(len(rows), 2 * TRIES)
     more = np.broadcast_to(rows[:1], (count - len(rows), 7))
     return np.concatenate([rows, more]).astype(np.float32)
