@@ -110,8 +110,10 @@ def test_the_smallest_error_is_taken_where_nothing_conflicts():
 
 def test_near_ties_of_ae_go_to_the_better_match_and_to_true_size():
     entities = [floor_entity(), table_at(2, 0)]
-    better = [Try(1, TABLE, (0, 0, 0.35), 0.020, matching_error=0.5), Try(1, SLIM, (0, 0, 0.35),
-              0.022, matching_error=0.1)]  # fmt: skip
+    better = [
+        Try(1, TABLE, (0, 0, 0.35), 0.020, matching_error=0.5),
+        Try(1, SLIM, (0, 0, 0.35), 0.022, matching_error=0.1),
+    ]
     true_size = [Try(1, TABLE, (0, 0, 0.28), 0.020, scale=0.8), Try(1, SLIM, (0, 0, 0.35), 0.022)]
     paper = dataclasses.replace(SETTINGS, matching_weight_m=0.0, scale_weight_m=0.0)
     for tries in (better, true_size):
@@ -163,8 +165,11 @@ def test_small_overlaps_are_nudged_away_and_larger_ones_are_not():
 def test_a_small_overlap_does_not_cost_the_better_model():
     """2 cm that a nudge ends weigh less than 8 cm of alignment error."""
     scene = [floor_entity(), table_at(2, 0), table_at(3, 0.98)]
-    tries = [Try(1, TABLE, (0, 0, 0.35), 0.01), Try(2, TABLE, (0.98, 0, 0.35), 0.02),
-             Try(2, SLIM, (0.98, 0, 0.35), 0.1)]  # fmt: skip
+    tries = [
+        Try(1, TABLE, (0, 0, 0.35), 0.01),
+        Try(2, TABLE, (0.98, 0, 0.35), 0.02),
+        Try(2, SLIM, (0.98, 0, 0.35), 0.1),
+    ]
     assert run(scene, [ROOM, 0, 0], tries, NUDGING)[2].cad_id == "table/plain"
     tries[2] = dataclasses.replace(tries[2], error_m=0.03)
     assert run(scene, [ROOM, 0, 0], tries, NUDGING)[2].cad_id == "table/slim"
@@ -250,11 +255,13 @@ def test_a_candidate_deep_in_a_wall_is_dropped_and_a_shallow_one_leaves_it():
 
 def test_a_wall_beside_and_a_room_behind_do_not_count():
     beside = box_entity(9, "wall", (0.25, 5, 1.25), (0.1, 4, 2.5), faces=(3,))
-    _, table, _ = run([floor_entity(), table_at(2, 0), beside], [ROOM, 0, ROOM],
-                      [Try(1, TABLE, (0, 0, 0.35))])  # fmt: skip
+    _, table, _ = run(
+        [floor_entity(), table_at(2, 0), beside], [ROOM, 0, ROOM], [Try(1, TABLE, (0, 0, 0.35))]
+    )
     assert table.cad_id is not None
-    _, table, _ = run([floor_entity(), table_at(2, 0), _wall(-1)], [ROOM, 0, ROOM],
-                      [Try(1, TABLE, (0, 0, 0.35))])  # fmt: skip
+    _, table, _ = run(
+        [floor_entity(), table_at(2, 0), _wall(-1)], [ROOM, 0, ROOM], [Try(1, TABLE, (0, 0, 0.35))]
+    )
     assert table.cad_id is not None
 
 
@@ -262,8 +269,12 @@ def test_a_wall_beside_and_a_room_behind_do_not_count():
 
 
 def test_every_way_to_keep_a_scan_is_named():
-    scene = [floor_entity(), table_at(2, 0), box_entity(3, "sofa", (3, 0, 0.4), (1, 1, 0.8)),
-             box_entity(4, "cup", (1, 1, 0.05), (0.1, 0.1, 0.1))]  # fmt: skip
+    scene = [
+        floor_entity(),
+        table_at(2, 0),
+        box_entity(3, "sofa", (3, 0, 0.4), (1, 1, 0.8)),
+        box_entity(4, "cup", (1, 1, 0.05), (0.1, 0.1, 0.1)),
+    ]
     tries = [
         Try(1, TABLE, (0, 0, 0.35), 0.21),
         Try(1, SLIM, (0, 0, 0.35), 0.3, status=AlignmentStatus.NOT_CONVERGED),
@@ -351,8 +362,9 @@ def test_a_contained_part_has_the_depth_to_the_nearest_face():
     outer = convex_part(box_mesh((1, 1, 1), spacing_m=1).vertices)
     inner = convex_part(box_mesh((0.1, 0.1, 0.1), (0.2, 0, 0), spacing_m=1).vertices)
     np.testing.assert_allclose(penetration(inner, outer)[0], 0.35, atol=1e-6)
-    np.testing.assert_allclose(depth_inside(outer, np.array([[0.2, 0, 0], [1, 0, 0]])),
-                               [0.3, -0.5], atol=1e-6)  # fmt: skip
+    np.testing.assert_allclose(
+        depth_inside(outer, np.array([[0.2, 0, 0], [1, 0, 0]])), [0.3, -0.5], atol=1e-6
+    )
 
 
 def test_stray_points_of_a_scan_are_forgiven():

@@ -110,7 +110,7 @@ def _near_pairs(first: list[Hull], second: list[Hull]) -> list[tuple[Hull, Hull]
     return [(first[a], second[b]) for a, b in np.argwhere(near)]
 
 
-def settle_down(
+def rest_on_supports(
     entities: Entities,
     graph: ContactGraph,
     slabs: tuple[Slab, ...],

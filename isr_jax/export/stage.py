@@ -17,7 +17,7 @@ from .bodies import Body, scene_bodies
 from .glb_scene import write_glb
 from .labels import final_labels
 from .mjcf_scene import write_mjcf
-from .resting import Adjustments, settle_down
+from .resting import Adjustments, rest_on_supports
 from .urdf_scene import write_urdf_package
 from .verify import verify_exports
 
@@ -59,7 +59,7 @@ def export_scene(
     settings = settings or ExportSettings()
     _refuse_unwritable(out_dir)
     slabs, bodies = scene_bodies(entities, graph, placements, library, settings)
-    bodies, adjustments = settle_down(entities, graph, slabs, bodies, settings)
+    bodies, adjustments = rest_on_supports(entities, graph, slabs, bodies, settings)
     write_mjcf(out_dir, slabs, bodies, settings)
     urdf = write_urdf_package(out_dir, slabs, bodies)
     write_glb(out_dir / "scene.glb", slabs, bodies)

@@ -35,8 +35,10 @@ class Search:
     def _choose(self) -> dict[int, Option]:
         active = [i for i in self.scene.solid_things if i not in self.fallen]
         # A kept scan takes part with the one option that it has.
-        errors = [np.array([o.cost_m for o in self.options[i]]) if i in self.options
-                  else np.zeros(1) for i in active]  # fmt: skip
+        errors = [
+            np.array([o.cost_m for o in self.options[i]]) if i in self.options else np.zeros(1)
+            for i in active
+        ]
         chosen = min_conflicts(
             errors,
             self._neighbours(active),
@@ -45,8 +47,9 @@ class Search:
             max_rounds=self.scene.settings.max_rounds,
             seed=self.scene.settings.seed,
         )
-        return {i: self.options[i][a] for i, a in zip(active, chosen, strict=True)
-                if i in self.options}  # fmt: skip
+        return {
+            i: self.options[i][a] for i, a in zip(active, chosen, strict=True) if i in self.options
+        }
 
     def _thing(self, i: int, a: int) -> Solid | ScanPoints:
         return self.tried[i][a].solid if i in self.tried else self.scene.scans[i]

@@ -111,11 +111,6 @@ def apart(a: Solid | ScanPoints, b: Solid | ScanPoints) -> bool:
     return bool(np.any(a.low > b.high) or np.any(b.low > a.high))
 
 
-def solid_depth(a: Solid, b: Solid) -> float:
-    """Depth of the deepest pair of parts, metres; 0 when apart."""
-    return deepest(a, b)[0]
-
-
 def deepest(a: Solid, b: Solid) -> tuple[float, np.ndarray]:
     """Depth of the deepest pair of parts, and the direction that frees ``a``."""
     best = 0.0, np.zeros(3)
@@ -154,7 +149,7 @@ def scan_depth(solid: Solid, scan: ScanPoints) -> float:
 def depth_between(a: Solid | ScanPoints, b: Solid | ScanPoints) -> float:
     """Depth of overlap. Two scans never overlap: both were seen where they are."""
     if isinstance(a, Solid) and isinstance(b, Solid):
-        return solid_depth(a, b)
+        return deepest(a, b)[0]
     if isinstance(a, Solid) and isinstance(b, ScanPoints):
         return scan_depth(a, b)
     if isinstance(a, ScanPoints) and isinstance(b, Solid):

@@ -139,9 +139,9 @@ def cut(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull | Non
     crossing = (side[a] < 0) & (side[b] > 0)
     a, b = a[crossing], b[crossing]
     share = (side[a] / (side[a] - side[b]))[:, None]
-    kept = np.concatenate([
-        hull.points[side <= 0], hull.points[a] + share * (hull.points[b] - hull.points[a])
-    ])  # fmt: skip
+    kept = np.concatenate(
+        [hull.points[side <= 0], hull.points[a] + share * (hull.points[b] - hull.points[a])]
+    )
     if len(kept) < 4 or np.ptp(kept @ normal) < MIN_THICKNESS_M / 2:
         return None
     left = hull_of(kept)
