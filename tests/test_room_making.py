@@ -183,6 +183,6 @@ def test_ten_rooms_stand(seed):
 
 
 def test_a_room_that_never_stands_is_refused(monkeypatch):
-    monkeypatch.setattr("isr_jax.room_making._ROUNDS", 1)
+    monkeypatch.setattr("isr_jax.demonstration.room_making._ROUNDS", 1)
     with pytest.raises(SceneError, match="book_3"):
         stood(table(), on_table(3, BOOK, 0.62))
