@@ -13,7 +13,7 @@ from isr_jax.cad.importing.converting.orientation import base_share, find_up, ro
 from isr_jax.cad.importing.converting.plausible import UNITS_M, largest_side_range, unit_of
 from isr_jax.cad.importing.found import FoundModel
 from isr_jax.cad.kit import make
-from isr_jax.cad.kit.surfaces import MIN_SUPPORT_SIDE_M
+from isr_jax.cad.planes import MIN_SUPPORT_SIDE_M
 from isr_jax.errors import LibraryError
 from isr_jax.library import CadModel
 from isr_jax.robot_model import Joint, Link, RobotModel, Visual, link_transforms

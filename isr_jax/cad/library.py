@@ -124,7 +124,8 @@ def _kit_hash() -> str:
     """Digest of the code that makes and writes the models: another kit, another cache folder."""
     cad = Path(__file__).resolve().parent
     robots = (cad.parent / "robot_model").glob("*.py")
-    paths = [cad / "model_files.py", cad / "records.py", *(cad / "kit").rglob("*.py"), *robots]
+    own = (cad / f"{name}.py" for name in ("model_files", "planes", "records"))
+    paths = [*own, *(cad / "kit").rglob("*.py"), *robots]
     digest = hashlib.sha256()
     for path in sorted(paths):
         digest.update(path.read_bytes())

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
 from ...types import Mesh
-from ..kit.surfaces import sphere_directions
+from ..planes import sphere_directions
 
 MAX_VERTICES = 64
 MIN_THICKNESS_M = 0.002

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from ...borders.raycast import RayScene
 from ...types import Mesh
-from ..kit.surfaces import sphere_directions
+from ..planes import sphere_directions
 from .solid import Hull
 
 _POINTS_PER_HULL = 160

@@ -19,9 +19,10 @@ from ...robot_model import (
 )
 from ...types import PlaneSet
 from ..model_files import with_content_hash
+from ..planes import Plane
 from .materials import Material
 from .solids import Solid, rounded
-from .surfaces import TIE, Piece, Plane, model_planes
+from .surfaces import TIE, Piece, model_planes
 from .uv import visual_mesh
 
 BASE = "base"

@@ -8,44 +8,33 @@ import functools
 import numpy as np
 from scipy import ndimage
 
+from ..planes import (
+    CLEARANCE_M,
+    LEAST_SIGHT_COSINE,
+    LEVEL_COSINE,
+    MAX_PLANES,
+    MIN_AREA_SHARE,
+    MIN_SUPPORT_AREA_M2,
+    SEEN_SHARE,
+    SIGHT_POINTS,
+    Plane,
+    can_carry,
+    rectangle_corners,
+    sphere_directions,
+)
 from .solids import area_vector, plane_axes
 from .space import PROBE_M, Piece, Space
 
-MAX_PLANES = 16
 MIN_OTHER_PLANES = 8
 """The largest ones that carry nothing stay, however many shelves there are: its outer sides."""
-MIN_AREA_SHARE = 0.03
-"""Of the three box faces' sum: smaller planes are neither found in a scan nor kept."""
 MIN_PLANES = 2
 """A model without so many of that size (a plant) keeps its largest smaller ones."""
-MIN_SUPPORT_SIDE_M = 0.07
-MIN_SUPPORT_AREA_M2 = 0.008
-MIN_SUPPORT_SHARE = 0.4
-"""Of the rectangle: less is a rim around something else."""
-CLEARANCE_M = 0.08
-"""What stands on a surface needs at least this height above it."""
 _OUTSIDE_M = 0.05
 """An outer side has nothing of the model further out than this."""
 _GAP_M = 0.006
-_LEVEL = 0.9
-"""Least upward part of the normal of what carries."""
-_SEEN_SHARE = 0.3
 TIE = 1e-9
 """Added before rounding: products of round dimensions end in an exact half, which the noise of the
 last bits would round up on one machine and down on another."""
-_SIGHT_POINTS = 32
-
-
-@dataclasses.dataclass(frozen=True, eq=False)
-class Plane:
-    """One plane with its rectangle, frame of the solids."""
-
-    normal: np.ndarray
-    corners: np.ndarray
-    """[4, 3], counter-clockwise seen against the normal."""
-    area_m2: float
-    link: str
-    supporting: bool
 
 
 def model_planes(pieces: list[Piece], size: np.ndarray) -> list[Plane]:
@@ -100,7 +89,7 @@ def _sheets(pieces: list[Piece]) -> list[_Sheet]:
         for i, (face, plane) in enumerate(zip(solid.faces, solid.planes)):
             if i in solid.hidden or i in solid.curved:
                 continue
-            carries = piece.carries and bool(plane[2] > _LEVEL)
+            carries = piece.carries and bool(plane[2] > LEVEL_COSINE)
             place = (*np.round(plane[:3], 3) + 0.0, round(plane[3], 4) + 0.0)
             key = (piece.link, carries, *place)
             if key not in sheets:
@@ -138,9 +127,9 @@ class _Grid:
         spans = [np.array([[self.u[i[0]], self.v[j[0]]], [self.u[i[-1] + 1], self.v[j[-1] + 1]]])]
         # The slanted ends of a polygon cut cells whose centres lie outside it.
         spans += [self.sheet.polygons[k] @ self.axes.T for k in self._whole(cells)]
-        (u0, v0), (u1, v1) = np.concatenate(spans).min(0), np.concatenate(spans).max(0)
-        flat = np.array([(u0, v0), (u1, v0), (u1, v1), (u0, v1)]) @ self.axes
-        return flat - self.sheet.offset * self.sheet.normal
+        ends = np.concatenate(spans)
+        normal, offset = self.sheet.normal, self.sheet.offset
+        return rectangle_corners(self.axes, normal, offset, ends.min(0), ends.max(0))
 
     def area(self, cells: np.ndarray) -> float:
         """Area of the marked cells; exact where whole polygons are marked."""
@@ -251,17 +240,7 @@ def _regions(grid: _Grid, free: np.ndarray, gap: np.ndarray) -> list[np.ndarray]
 def _is_useful(grid: _Grid, cells: np.ndarray) -> bool:
     corners = grid.rectangle(cells)
     sides = np.linalg.norm(corners[[1, 3]] - corners[0], axis=1)
-    least = max(MIN_SUPPORT_AREA_M2, MIN_SUPPORT_SHARE * sides.prod())
-    return bool(sides.min() >= MIN_SUPPORT_SIDE_M and grid.area(cells) >= least)
-
-
-@functools.cache
-def sphere_directions(count: int = 40) -> np.ndarray:
-    """Directions spread evenly over the sphere (golden spiral)."""
-    i = np.arange(count) + 0.5
-    z, angle = 1 - 2 * i / count, np.pi * (1 + 5**0.5) * i
-    ring = np.sqrt(1 - z * z)
-    return np.stack([ring * np.cos(angle), ring * np.sin(angle), z], 1)
+    return can_carry(sides, grid.area(cells))
 
 
 def _is_seen(grid: _Grid, space: Space, cells: np.ndarray) -> bool:
@@ -269,9 +248,9 @@ def _is_seen(grid: _Grid, space: Space, cells: np.ndarray) -> bool:
     if not space.vertices:
         return True
     ends = np.cumsum(grid.cell_area[cells])
-    spread = np.searchsorted(ends, (np.arange(_SIGHT_POINTS) + 0.5) / _SIGHT_POINTS * ends[-1])
+    spread = np.searchsorted(ends, (np.arange(SIGHT_POINTS) + 0.5) / SIGHT_POINTS * ends[-1])
     points = grid.centers[cells][spread] + PROBE_M * grid.sheet.normal
-    heights, needed = space.heights(points), _SEEN_SHARE * len(points)
+    heights, needed = space.heights(points), SEEN_SHARE * len(points)
     for direction in _directions_from(grid.sheet.normal):
         blocked = space.blocked_from(heights, direction, 10.0)
         needed -= np.count_nonzero(~blocked)
@@ -285,4 +264,4 @@ def _directions_from(normal: np.ndarray) -> np.ndarray:
     """Directions that leave a surface, the steepest first."""
     steep = np.round(sphere_directions() @ normal, 9)
     order = np.argsort(-steep, kind="stable")
-    return sphere_directions()[order[steep[order] > 0.1]]
+    return sphere_directions()[order[steep[order] > LEAST_SIGHT_COSINE]]

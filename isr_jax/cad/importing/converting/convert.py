@@ -11,8 +11,8 @@ from ....errors import LibraryError
 from ....library import CadModel, held
 from ....robot_model import RobotModel
 from ....types import PlaneSet
-from ...kit.surfaces import Plane
 from ...model_files import with_content_hash
+from ...planes import Plane
 from ..found import FoundModel
 from ..names import slug
 from .class_guess import OTHER, guess_class

@@ -16,14 +16,18 @@ from scipy import ndimage
 from ....borders.raycast import RayScene
 from ....types import Mesh
 from ...kit.solids import plane_axes
-from ...kit.surfaces import (
+from ...planes import (
     CLEARANCE_M,
+    LEAST_SIGHT_COSINE,
+    LEVEL_COSINE,
     MAX_PLANES,
     MIN_AREA_SHARE,
     MIN_SUPPORT_AREA_M2,
-    MIN_SUPPORT_SHARE,
-    MIN_SUPPORT_SIDE_M,
+    SEEN_SHARE,
+    SIGHT_POINTS,
     Plane,
+    can_carry,
+    rectangle_corners,
     sphere_directions,
 )
 from .coplanar import Sheet, find_sheets
@@ -34,9 +38,6 @@ _CELLS = 1200
 _MIN_CELL_M = 0.004
 _MAX_CELL_M = 0.03
 _PROBE_M = 0.001
-_UP = 0.9
-_SIGHT_POINTS = 32
-_SEEN_SHARE = 0.3
 _SOFT_ANGLE_RAD = 0.35
 _SOFT_GAP_M = 0.025
 _SEAT_SHARE = 0.2
@@ -131,7 +132,7 @@ class _Space:
     def seen(self, points: np.ndarray, normal: np.ndarray) -> float:
         """Part of the points with a clear line of sight to far outside."""
         directions = sphere_directions()
-        directions = directions[directions @ normal > 0.1]
+        directions = directions[directions @ normal > LEAST_SIGHT_COSINE]
         origins = np.repeat(points, len(directions), 0)
         hits = self.skin.rays.cast(origins, np.tile(directions, (len(points), 1)))
         return float((hits.triangle < 0).reshape(len(points), -1).any(1).mean())
@@ -203,14 +204,13 @@ class _Grid:
 
     def corners(self, cells: np.ndarray) -> np.ndarray:
         """[4, 3]: the rectangle around the cells."""
-        (u0, v0), (u1, v1) = self.bounds(cells)
-        flat = np.array([(u0, v0), (u1, v0), (u1, v1), (u0, v1)]) @ self.axes
-        return flat - self.sheet.offset * self.sheet.normal
+        low, high = self.bounds(cells)
+        return rectangle_corners(self.axes, self.sheet.normal, self.sheet.offset, low, high)
 
 
 def _axes(normal: np.ndarray) -> np.ndarray:
     """[2, 3]: u along x on what is nearly level, u level on all else; u x v = normal."""
-    if abs(normal[2]) <= _UP:
+    if abs(normal[2]) <= LEVEL_COSINE:
         return plane_axes(normal)
     u = np.array([1.0, 0, 0]) - normal[0] * normal
     u /= np.linalg.norm(u)
@@ -231,7 +231,7 @@ def _planes_of(
     bare[bare] = space.free(grid.points[bare] + probe_m * normal, normal, _PROBE_M)
     up = np.array([0.0, 0, 1])
     planes = []
-    if normal[2] > _UP and bare.any():
+    if normal[2] > LEVEL_COSINE and bare.any():
         free = bare.copy()
         above = grid.points[free] + (gap_m + _PROBE_M) * normal
         free[free] = space.free(above, up, CLEARANCE_M)
@@ -261,12 +261,11 @@ def _regions(cells: np.ndarray) -> list[np.ndarray]:
 
 def _is_useful(grid: _Grid, cells: np.ndarray) -> bool:
     low, high = grid.bounds(cells)
-    least = max(MIN_SUPPORT_AREA_M2, MIN_SUPPORT_SHARE * (high - low).prod())
-    return bool((high - low).min() >= MIN_SUPPORT_SIDE_M and grid.area(cells) >= least)
+    return can_carry(high - low, grid.area(cells))
 
 
 def _is_seen(grid: _Grid, cells: np.ndarray, space: _Space) -> bool:
     points = grid.points[cells]
-    spread = np.linspace(0, len(points) - 1, min(_SIGHT_POINTS, len(points))).astype(int)
+    spread = np.linspace(0, len(points) - 1, min(SIGHT_POINTS, len(points))).astype(int)
     normal = grid.sheet.normal
-    return space.seen(points[spread] + _PROBE_M * normal, normal) > _SEEN_SHARE
+    return space.seen(points[spread] + _PROBE_M * normal, normal) > SEEN_SHARE

@@ -15,7 +15,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order
 
 from ...adjacency import Adjacency, adjacency
-from ...kit.surfaces import sphere_directions
+from ...planes import sphere_directions
 from .skin import Skin
 
 _RAYS = 6000
