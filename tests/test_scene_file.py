@@ -16,7 +16,7 @@ from isr_jax.scene_file import (
     scene_schema,
     write_scene,
 )
-from isr_jax.types import ROOM, Candidate, Placement
+from isr_jax.types import ROOM, Attachment, Candidate, Placement
 
 from .builders import box_entity, floor_entity, library_of, scene_of, support_graph, table_model
 
@@ -86,6 +86,7 @@ def test_a_missing_file_and_one_that_is_not_json(tmp_path):
         read_scene(tmp_path / "scene.json")
 
 
-def test_the_schema_lists_the_types_of_entities():
+def test_the_schema_lists_the_types_and_attachments_of_entities():
     entity = scene_schema()["$defs"]["entity"]["properties"]
     assert tuple(entity["type"]["enum"]) == get_args(EntityType)
+    assert tuple(entity["attachment"]["enum"]) == get_args(Attachment)

@@ -12,7 +12,7 @@ from jaxtyping import Float
 from ...geometry import box_overlap_depth
 from ...library import CadModel
 from ...runtime.batches import bucket
-from ...types import Array, Box
+from ...types import Array, Attachment, Box
 from .clearance import meshes_apart
 from .proposal import Proposal
 
@@ -115,7 +115,7 @@ class Occupancy:
             return [i for i in range(len(self.placed)) if under in self.carriers(i)]
         return [chair for chair, host in self.tucked.items() if host in carriers]
 
-    def _within(self, rows: np.ndarray, attachment: str) -> np.ndarray:
+    def _within(self, rows: np.ndarray, attachment: Attachment) -> np.ndarray:
         """[boxes] between the walls: with a margin, unless fixed to one or leaning on it."""
         margin = MARGIN_M if attachment == "none" else -_TOUCH_M
         c, s = np.abs(np.cos(rows[:, 3])), np.abs(np.sin(rows[:, 3]))
