@@ -10,7 +10,6 @@ import pytest
 
 from isr_jax.cad import collision
 from isr_jax.cad.collision import with_hulls
-from isr_jax.cad.hulls.apart import GAP_M, parted
 from isr_jax.cad.hulls.decompose import coacd_pieces
 from isr_jax.cad.hulls.link_hulls import MAX_HULLS, METHODS, LinkHulls, bound_m, link_hulls
 from isr_jax.cad.hulls.merging import merged
@@ -21,6 +20,7 @@ from isr_jax.cad.hulls.packing import (
     unpacked_hulls,
     unpacked_shapes,
 )
+from isr_jax.cad.hulls.parting import GAP_M, parted
 from isr_jax.cad.hulls.slicing import clipped, slices
 from isr_jax.cad.hulls.solid import MAX_VERTICES, Hull, cut, hull_of
 from isr_jax.cad.hulls.swelling import Reference

@@ -11,8 +11,8 @@ from scipy.spatial import QhullError
 from ...config import HullMethod
 from ...robot_model import RobotModel, link_transforms
 from ...types import Mesh
-from .apart import parted
 from .link_hulls import bound_m, link_hulls
+from .parting import parted
 from .solid import Hull, hull_of
 
 _REPORTED_OVERLAP_M = 0.005

@@ -43,7 +43,12 @@ def packed_hulls(hulls: ModelHulls) -> bytes:
 
 
 def unpacked_hulls(data: bytes) -> ModelHulls:
-    """The result again; raises `ValueError` or `KeyError` where the bytes are none."""
+    """The result again.
+
+    Raises:
+        ValueError: The bytes are none.
+        KeyError: They lack a part of one.
+    """
     head, arrays = _unpacked(data)
     links = tuple(
         tuple(Mesh(arrays[f"v{i}_{k}"], arrays[f"f{i}_{k}"]) for k in range(count))

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
+from ...geometry.convex import outward_triangles
 from ...types import Mesh
 from ..planes import sphere_directions
 
@@ -107,11 +108,8 @@ def _extreme(corners: np.ndarray) -> np.ndarray:
 def _finished(hull: ConvexHull) -> Hull:
     renumber = np.full(len(hull.points), -1)
     renumber[hull.vertices] = np.arange(len(hull.vertices))
-    corners = hull.points[hull.simplices]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    inward = np.einsum("ij,ij->i", cross, hull.equations[:, :3]) < 0
-    faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
-    return Hull(hull.points[hull.vertices], hull.equations, renumber[faces], float(hull.volume))
+    faces = renumber[outward_triangles(hull)]
+    return Hull(hull.points[hull.vertices], hull.equations, faces, float(hull.volume))
 
 
 def _thick(points: np.ndarray, *, at_least: bool = False) -> np.ndarray:
@@ -129,9 +127,9 @@ def _thick(points: np.ndarray, *, at_least: bool = False) -> np.ndarray:
     return points
 
 
-def cut(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull | None:
+def cut(hull: Hull, normal: Float[np.ndarray, "3"], offset_m: float) -> Hull | None:
     """The part of a hull where normal . p <= offset; None where hardly anything is left."""
-    side = hull.points @ normal - offset
+    side = hull.points @ normal - offset_m
     if side.max() <= 0:
         return hull
     edges = np.concatenate([hull.faces[:, [0, 1]], hull.faces[:, [1, 2]], hull.faces[:, [2, 0]]])
@@ -139,9 +137,8 @@ def cut(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull | Non
     crossing = (side[a] < 0) & (side[b] > 0)
     a, b = a[crossing], b[crossing]
     share = (side[a] / (side[a] - side[b]))[:, None]
-    kept = np.concatenate(
-        [hull.points[side <= 0], hull.points[a] + share * (hull.points[b] - hull.points[a])]
-    )
+    crossed = hull.points[a] + share * (hull.points[b] - hull.points[a])
+    kept = np.concatenate([hull.points[side <= 0], crossed])
     if len(kept) < 4 or np.ptp(kept @ normal) < MIN_THICKNESS_M / 2:
         return None
     left = hull_of(kept)

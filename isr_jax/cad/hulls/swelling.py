@@ -61,6 +61,17 @@ class Reference:
 
 def spread_points(corners: Float[np.ndarray, "faces 3 3"], count: int) -> Float[np.ndarray, "n 3"]:
     """All corners, and points spread evenly over the triangles by area."""
+    return np.concatenate([corners.reshape(-1, 3), _spread(corners, count)[0]])
+
+
+def _spread_over(hull: Hull) -> tuple[np.ndarray, np.ndarray]:
+    """Points on a hull's faces, and the faces' normals there."""
+    points, row = _spread(hull.points[hull.faces], _POINTS_PER_HULL)
+    return points, hull.planes[row, :3]
+
+
+def _spread(corners: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points spread evenly over triangles by area, and the triangle of each."""
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     ends = np.cumsum(np.linalg.norm(cross, axis=1))
     k = np.arange(count)
@@ -69,19 +80,4 @@ def spread_points(corners: Float[np.ndarray, "faces 3 3"], count: int) -> Float[
     over = u + v > 1
     u, v = np.where(over, 1 - u, u), np.where(over, 1 - v, v)
     a, b, c = np.moveaxis(corners[row], 1, 0)
-    return np.concatenate([corners.reshape(-1, 3), a + u[:, None] * (b - a) + v[:, None] * (c - a)])
-
-
-def _spread_over(hull: Hull) -> tuple[np.ndarray, np.ndarray]:
-    """Points on a hull's faces, and the faces' normals there."""
-    corners = hull.points[hull.faces]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    ends = np.cumsum(np.linalg.norm(cross, axis=1))
-    k = np.arange(_POINTS_PER_HULL)
-    at = (k + 0.5) / len(k) * ends[-1]
-    row = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
-    u, v = (0.5 + k * 0.7548776662466927) % 1, (0.5 + k * 0.5698402909980532) % 1
-    over = u + v > 1
-    u, v = np.where(over, 1 - u, u), np.where(over, 1 - v, v)
-    a, b, c = np.moveaxis(corners[row], 1, 0)
-    return a + u[:, None] * (b - a) + v[:, None] * (c - a), hull.planes[row, :3]
+    return a + u[:, None] * (b - a) + v[:, None] * (c - a), row

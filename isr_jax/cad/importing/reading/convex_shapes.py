@@ -8,6 +8,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
+from ....geometry.convex import outward_triangles
 from ....robot_model.primitives import box_between
 from ....types import Mesh
 
@@ -108,9 +109,7 @@ def _outermost(points: np.ndarray, count: int) -> np.ndarray:
 
 def _oriented(corners: np.ndarray) -> Mesh:
     hull = ConvexHull(corners)
-    a, b, c = (corners[hull.simplices[:, k]] for k in range(3))
-    inward = np.einsum("fc,fc->f", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
-    faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+    faces = outward_triangles(hull)
     order = np.lexsort(np.sort(faces, 1).T[::-1])
     return Mesh(corners.copy(), faces[order].astype(np.int32))
 
