@@ -5,10 +5,8 @@ from __future__ import annotations
 import dataclasses
 import functools
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
 
 from . import (
     alignment,
@@ -23,7 +21,7 @@ from . import (
 )
 from .borders import drawing
 from .cad import default_library, open_library
-from .cad.collision import with_hulls
+from .cad.collision import making_hulls
 from .config import Settings, preset
 from .library import CadLibrary
 from .map_runs.frames import integrate_sequence
@@ -114,31 +112,24 @@ def furnish_scenes(
     """
     library = default_library() if library is None else library
     settings, runner = settings or preset("default"), runner or StageRunner()
+    library = making_hulls(library, runner.reporter)
     run, found = functools.partial(runner.run, settings), list(scenes)
     graphs = run(contact_graph.STAGE, contact_graph.build_contact_graphs, found)
     shortlists = run(matching.STAGE, matching.match, found, graphs, library)
     aligned = run(alignment.STAGE, alignment.align_shortlists, found, graphs, shortlists, library)
-    rows = np.concatenate([shortlist.model for shortlist in shortlists])
-    tried = with_hulls_at(library, rows.tolist(), settings.cad.candidate_hulls, runner.reporter)
-
-    def check(entities, graphs, shortlists, alignments, hulls, library, *settings):
-        each = zip(entities, graphs, shortlists, alignments)
-        return [physical_check.check(*of_one, tried, *settings) for of_one in each]
-
     placements = run(
         physical_check.STAGE,
-        check,
+        physical_check.check_scenes,
         found,
         graphs,
         shortlists,
         aligned,
-        settings.cad.candidate_hulls,
         library,
     )
-    chosen = [tried.position(p.cad_id) for ps in placements for p in ps if p.cad_id is not None]
-    final = with_hulls_at(tried, chosen, settings.cad.chosen_hulls, runner.reporter)
+    chosen = [library.position(p.cad_id) for ps in placements for p in ps if p.cad_id is not None]
+    library = library.with_hulls(chosen, settings.cad.chosen_hulls)
     parts = zip(found, graphs, shortlists, aligned, placements, strict=True)
-    return [Scene(*of_one, final, settings) for of_one in parts]
+    return [Scene(*of_one, library, settings) for of_one in parts]
 
 
 def replace_with_cad(
@@ -150,22 +141,6 @@ def replace_with_cad(
 ) -> Scene:
     """`furnish_scenes` of one scene."""
     return furnish_scenes([found], library, settings, runner=runner)[0]
-
-
-def with_hulls_at(
-    library: CadLibrary, positions: Iterable[int], method: str, reporter: Reporter
-) -> CadLibrary:
-    """The library, its imported models at these positions with collision hulls."""
-    wanted = sorted({int(i) for i in positions})
-    models = [library[i] for i in wanted]
-    ready = with_hulls(models, method, progress=lambda d, t: reporter.progress("hulls", d, t))
-    for old, new in zip(models, ready):
-        if new is not old:
-            reporter.note(
-                f"{new.id}: collision hulls by {new.collision}, which reach "
-                f"{1000 * new.swelling_m:.1f} mm beyond its surface at most"
-            )
-    return library.replaced(dict(zip(wanted, ready)))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -9,7 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from isr_jax.config import PhysicalCheckSettings
+from isr_jax.config import ExportSettings, PhysicalCheckSettings, StabilitySettings
+from isr_jax.errors import LibraryError
+from isr_jax.export import export_scene
 from isr_jax.geometry import (
     box_at,
     convex_part,
@@ -18,8 +20,10 @@ from isr_jax.geometry import (
     moved_part,
     penetration,
 )
-from isr_jax.physical_check import check, contact_ratio, min_conflicts
-from isr_jax.physical_check.solids import depth_between, scan_points, solid_of
+from isr_jax.library import CadLibrary
+from isr_jax.physical_check import check, check_scenes, contact_ratio, min_conflicts
+from isr_jax.physical_check.things import depth_between, scan_points, solid_of
+from isr_jax.stability import settle
 from isr_jax.types import ROOM, UNSUPPORTED, Alignments, AlignmentStatus, Shortlist
 
 from .builders import (
@@ -31,7 +35,10 @@ from .builders import (
     rotation_z,
     scene_of,
     support_graph,
+    with_robot,
+    without_hulls,
 )
+from .furniture import chair_model
 from .reference import physical_check_reference as reference
 
 SETTINGS = PhysicalCheckSettings(max_nudge_m=0.0)
@@ -41,7 +48,10 @@ TABLE = parts_model("table/plain", "table", [((1.0, 0.6, 0.7), (0, 0, 0))])
 SLIM = parts_model("table/slim", "table", [((0.5, 0.6, 0.7), (0, 0, 0))])
 HIGH = parts_model("table/high", "table", [((1.0, 0.6, 0.75), (0, 0, 0))])
 CUP = parts_model("cup/plain", "cup", [((0.1, 0.1, 0.1), (0, 0, 0))])
-LIBRARY = library_of(TABLE, SLIM, HIGH, CUP)
+CHAIR = chair_model("chair/backed")
+BAG = parts_model("bag/thick", "bag", [((0.3, 0.3, 0.3), (0, 0, 0))])
+FLAT_BAG = parts_model("bag/thin", "bag", [((0.3, 0.15, 0.3), (0, 0, 0))])
+LIBRARY = library_of(TABLE, SLIM, HIGH, CUP, CHAIR, BAG, FLAT_BAG)
 
 
 @dataclasses.dataclass
@@ -58,15 +68,22 @@ class Try:
     matching_error: float = 0.0
 
 
-def run(entities, parents, tries, settings=SETTINGS):
-    rows = [list(LIBRARY.models).index(t.model) for t in tries]
+def run(entities, parents, tries, settings=SETTINGS, library=LIBRARY):
+    entities = scene_of(*entities)
+    graph = support_graph(entities, parents)
+    return check(entities, graph, *candidates(tries, library), library, settings)
+
+
+def candidates(tries, library=LIBRARY):
+    """Shortlist and alignments of the tries."""
+    ids = [model.id for model in library.models]
     count = len(tries)
     T = np.tile(np.eye(4, dtype=np.float32), (count, 1, 1))
     for i, t in enumerate(tries):
         T[i, :3, :3], T[i, :3, 3] = rotation_z(t.yaw), t.center
     shortlist = Shortlist(
         np.array([t.entity for t in tries], np.int32),
-        np.array(rows, np.int32),
+        np.array([ids.index(t.model.id) for t in tries], np.int32),
         np.zeros(count, np.int32),
         np.array([t.matching_error for t in tries], np.float32),
         np.zeros((count, 4), np.int32),
@@ -80,10 +97,7 @@ def run(entities, parents, tries, settings=SETTINGS):
         np.array([t.status for t in tries], np.int32),
         np.array([t.error_m for t in tries], np.float32),
     )
-    entities = scene_of(*entities)
-    return check(
-        entities, support_graph(entities, parents), shortlist, alignments, LIBRARY, settings
-    )
+    return shortlist, alignments
 
 
 def table_at(id, x, y=0.0):
@@ -236,6 +250,177 @@ def test_children_move_onto_the_model_of_their_parent():
     np.testing.assert_allclose(cup.T_world_cad[2, 3] - 0.05, top + SETTINGS.clearance_m, atol=1e-6)
 
 
+def _bag_on_chair():
+    """A bag on a seat at 0.48 m, seen 6 cm nearer to the back than its model has room for."""
+    chair = box_entity(2, "chair", (0, 0, 0.44), (0.44, 0.44, 0.88))
+    bag = box_entity(3, "bag", (0, 0.05, 0.63), (0.3, 0.3, 0.3))
+    return [floor_entity(), chair, bag], [ROOM, 0, 1], [_seat(), Try(2, BAG, (0, 0.074, 0.63))]
+
+
+def _seat():
+    return Try(1, CHAIR, (0, 0, 0.44))
+
+
+def _in_the_back_m(placed):
+    """How far a placed bag reaches into the back of the chair."""
+    size_y = 0.3 if placed.cad_id == "bag/thick" else 0.15
+    return placed.T_world_cad[1, 3] + size_y / 2 - 0.18
+
+
+def test_a_bag_is_moved_out_of_the_back_of_its_chair():
+    entities, parents, tries = _bag_on_chair()
+    _, chair, bag = run(entities, parents, tries, NUDGING)
+    assert (chair.cad_id, bag.cad_id) == ("chair/backed", "bag/thick")
+    assert abs(chair.T_world_cad[1, 3]) < 1e-6, "what carries it stays"
+    assert -1e-3 < _in_the_back_m(bag) <= 0
+    assert bag.T_world_cad[2, 3] - 0.15 == pytest.approx(0.48, abs=1e-3)
+
+
+def test_where_no_small_move_frees_a_child_another_candidate_does():
+    entities, parents, tries = _bag_on_chair()
+    tries.append(Try(2, FLAT_BAG, (0, 0.074, 0.63), 0.05))
+    _, chair, bag = run(entities, parents, tries)
+    assert (chair.cad_id, bag.cad_id) == ("chair/backed", "bag/thin")
+    assert _in_the_back_m(bag) < 0
+    assert reasons(bag)[0] == "collides with chair_2 by 0.044 m"
+
+
+def test_a_child_that_fits_nowhere_does_not_cost_its_carrier_the_model():
+    entities, parents, tries = _bag_on_chair()
+    tries[0] = dataclasses.replace(tries[0], error_m=0.09)  # the bag alone fits better
+    _, chair, bag = run(entities, parents, tries)
+    assert chair.cad_id == "chair/backed" and bag.cad_id is None
+    assert bag.reason == "no candidate of 1 fits; bag/thick: collides with chair_2 by 0.044 m"
+
+
+def test_a_scan_does_not_cost_its_carrier_the_model_either():
+    """Export cuts it where it reaches into the back."""
+    entities, parents, tries = _bag_on_chair()
+    entities[2] = box_entity(3, "bag", (0, 0.08, 0.63), (0.3, 0.3, 0.3))
+    _, chair, bag = run(entities, parents, tries[:1])
+    assert chair.cad_id == "chair/backed" and bag.cad_id is None
+
+
+@pytest.mark.parametrize("kept", [False, True])
+@pytest.mark.parametrize("checked", [False, True])
+def test_a_bag_on_a_chair_stands_in_mujoco(tmp_path, checked, kept):
+    """Also where nobody looked before export: it pushes the model out, and cuts the scan."""
+    items, parents, tries = _bag_on_chair()
+    entities = scene_of(*items)
+    graph = support_graph(entities, parents)
+    nudging = NUDGING if checked else dataclasses.replace(NUDGING, penetration_tolerance_m=1.0)
+    tries = tries[:1] if kept else tries
+    placements = check(entities, graph, *candidates(tries), LIBRARY, nudging)
+    if not kept:
+        assert (_in_the_back_m(placements[2]) > 0.04) == (not checked)
+    scene = export_scene(entities, graph, placements, LIBRARY, tmp_path, ExportSettings())
+    assert scene.metrics["export"]["unresolved"] == {}
+    report = settle(tmp_path / "scene.xml", StabilitySettings(duration_s=2.0, perturbed_resets=0))
+    assert report.exported.penetration_max_m < 1e-4
+    drift_m = {body.name: body.drift_end_m for body in report.exported.bodies}
+    assert set(drift_m) == {"chair_2", "bag_3"} and max(drift_m.values()) < 1e-3
+
+
+# Hulls: what is judged is what is written
+
+
+def grown(model, margin_m, method):
+    """The model with hulls that reach beyond its surface on all sides, and say so."""
+    links = []
+    for link in model.robot.links:
+        hulls = [
+            dataclasses.replace(mesh, vertices=mesh.vertices + margin_m * np.sign(mesh.vertices))
+            for mesh in (visual.mesh for visual in link.visuals)
+        ]
+        links.append(dataclasses.replace(link, hulls=tuple(hulls)))
+    made = with_robot(model, dataclasses.replace(model.robot, links=tuple(links)))
+    return dataclasses.replace(made, collision=method, swelling_m=1.75 * margin_m)
+
+
+class HullMaker:
+    """Quick hulls reach 10 cm too far, by 17.5 cm at corners; slow ones are exact."""
+
+    def __init__(self):
+        self.asked = []
+
+    def __call__(self, models, method):
+        self.asked.append((method, [model.id for model in models]))
+        return [grown(m, 0.1 if method == "vhacd" else 0.0, method) for m in models]
+
+
+def imported(maker):
+    models = tuple(without_hulls(model) for model in LIBRARY.models)
+    return CadLibrary(models, "imported", "hash", maker)
+
+
+def test_models_that_clash_by_hulls_that_are_not_written_stand():
+    scene = [floor_entity(size=(9, 9)), table_at(2, 0), table_at(3, 1.05)]
+    tries = [
+        Try(1, TABLE, (0, 0, 0.35)),
+        Try(2, TABLE, (1.05, 0, 0.35)),
+        Try(2, SLIM, (1.05, 0, 0.35), 0.05),
+    ]
+    maker = HullMaker()
+    _, one, two = run(scene, [ROOM, 0, 0], tries, library=imported(maker))
+    assert one.cad_id == two.cad_id == "table/plain"
+    for placed, x in ((one, 0.0), (two, 1.05)):
+        # At rest on the hulls that are written; the others reach 10 cm lower.
+        np.testing.assert_allclose(placed.T_world_cad[:3, 3], [x, 0, 0.3502], atol=1e-6)
+    assert maker.asked == [("vhacd", ["table/plain", "table/slim"]), ("coacd", ["table/plain"])]
+
+
+def test_a_clash_of_the_hulls_that_are_written_counts():
+    """By the quick hulls it is not certain: they overlap by less than they may swell."""
+    scene = [floor_entity(size=(9, 9)), table_at(2, 0), table_at(3, 0.94)]
+    tries = [
+        Try(1, TABLE, (0, 0, 0.35)),
+        Try(2, TABLE, (0.94, 0, 0.35)),
+        Try(2, SLIM, (0.94, 0, 0.35), 0.05),
+    ]
+    maker = HullMaker()
+    library = imported(maker)
+    _, one, two = run(scene, [ROOM, 0, 0], tries, library=library)
+    assert (one.cad_id, two.cad_id) == ("table/plain", "table/slim")
+    assert reasons(two)[0] == "collides with table_2 by 0.060 m"
+    assert [ids for method, ids in maker.asked if method == "coacd"] == [
+        ["table/plain"],
+        ["table/slim"],
+    ]
+    # Export asks the library for the same hulls.
+    chosen = [library.position(p.cad_id) for p in (one, two)]
+    written = library.with_hulls(chosen, "coacd")
+    assert [written[i].swelling_m for i in chosen] == [0.0, 0.0]
+
+
+def test_what_is_certain_by_quick_hulls_costs_no_slow_ones():
+    """40 cm deep, and 35 cm of it may be swelling."""
+    scene = [floor_entity(size=(9, 9)), table_at(2, 0), table_at(3, 0.6)]
+    tries = [
+        Try(1, TABLE, (0, 0, 0.35)),
+        Try(2, HIGH, (0.6, 0, 0.35)),
+        Try(2, SLIM, (0.8, 0, 0.35), 0.09),
+    ]
+    maker = HullMaker()
+    _, one, two = run(scene, [ROOM, 0, 0], tries, NUDGING, library=imported(maker))
+    assert (one.cad_id, two.cad_id) == ("table/plain", "table/slim")
+    assert "table/high" not in [i for method, ids in maker.asked for i in ids if method == "coacd"]
+
+
+def test_a_library_that_makes_no_hulls_says_which_model_lacks_them():
+    tries = [Try(1, TABLE, (0, 0, 0.35))]
+    with pytest.raises(LibraryError, match="table/plain of imported has no collision hulls"):
+        run([floor_entity(), table_at(2, 0)], [ROOM, 0], tries, library=imported(None))
+
+
+def test_scenes_are_checked_one_by_one():
+    tries = [Try(1, TABLE, (0, 0, 0.35))]
+    entities = [scene_of(floor_entity(), table_at(2, x)) for x in (0.0, 0.1)]
+    graphs = [support_graph(of_one, [ROOM, 0]) for of_one in entities]
+    shortlist, alignments = candidates(tries)
+    found = check_scenes(entities, graphs, [shortlist] * 2, [alignments] * 2, LIBRARY, SETTINGS)
+    assert [p[1].cad_id for p in found] == ["table/plain"] * 2
+
+
 # Layout
 
 
@@ -344,7 +529,7 @@ def test_penetration_parity_with_the_minkowski_hull(seed):
         assert penetration(moved_part(a, T), b)[0] == 0.0
 
 
-def test_fcl_meets_where_parts_overlap():
+def test_the_depth_of_solids_is_that_of_their_parts():
     rng = np.random.default_rng(1)
     seen = set()
     for _ in range(60):

@@ -13,6 +13,7 @@ import yourdfpy
 from isr_jax import pipeline
 from isr_jax.borders import simulation
 from isr_jax.cad import default_library
+from isr_jax.cad.collision import making_hulls
 from isr_jax.demonstration.film import film_room
 from isr_jax.errors import LibraryError, OutputError, SettingError
 from isr_jax.robot_model.mesh_files import MeshFiles
@@ -221,10 +222,12 @@ def test_imported_models_get_hulls_when_a_scene_uses_them(tmp_path, monkeypatch)
     library = library_of(bare, without_hulls(table_model("table/unused")), table_model())
     place = library.position("table/imported")
     recorder = Recorder()
-    tried = pipeline.with_hulls_at(library, [place, place], "vhacd", recorder)
+    tried = making_hulls(library, recorder).with_hulls([place, place], "vhacd")
     assert tried[place].collision == "vhacd" and len(tried[place].robot.links[0].hulls) >= 5
     assert any("table/imported: collision hulls by vhacd" in note for note in recorder.notes)
     assert all(tried[i] is library[i] for i in range(3) if i != place)
-    final = pipeline.with_hulls_at(tried, [place], "coacd", recorder)
+    final = tried.with_hulls([place], "coacd")
+    assert any("table/imported: collision hulls by coacd" in note for note in recorder.notes)
+    assert final.with_hulls([place], "vhacd") is final, "the better ones stay"
     assert final[place].collision == "coacd"
     assert final.content_hash == library.content_hash, "of the same files"

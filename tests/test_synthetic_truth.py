@@ -15,9 +15,9 @@ from isr_jax.classes import class_named
 from isr_jax.config import ExportSettings
 from isr_jax.errors import OutputError
 from isr_jax.export.bodies import scene_bodies
-from isr_jax.export.convex import hull_of_mesh, penetration_depth
-from isr_jax.export.slabs import slab_hull, slabs_of
-from isr_jax.geometry import box_corners
+from isr_jax.export.hull_meshes import part_of
+from isr_jax.export.slabs import slab_part, slabs_of
+from isr_jax.geometry import box_corners, moved_part, penetration
 from isr_jax.robot_model import Texture, link_transforms
 from isr_jax.scene_file import ROOM_NAME, read_scene
 from isr_jax.synthetic import Room, make_room, true_entities, true_graph, true_placements
@@ -212,12 +212,12 @@ def test_slabs_leave_openings_free(room):
     walls = [slab for slab in slabs if slab.class_name == "wall"]
     poses = [(body, link_transforms(body.robot)) for body in filling]
     hulls = [
-        hull_of_mesh(hull).moved(body.T_world_root @ pose[link.name])
+        moved_part(part_of(hull), body.T_world_root @ pose[link.name])
         for body, pose in poses
         for link in body.robot.links
         for hull in link.hulls
     ]
-    assert max(penetration_depth(a, slab_hull(s)) for a in hulls for s in walls) == 0.0
+    assert max(penetration(a, slab_part(s))[0] for a in hulls for s in walls) == 0.0
     plain = dataclasses.replace(room.layout[0], class_name="floor")
     assert [s.name for s in slabs if s.entity_name == plain.name] == [plain.name]
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import concurrent.futures
 import dataclasses
+import functools
 import os
 import tempfile
 import threading
@@ -16,8 +17,9 @@ from pathlib import Path
 
 from ..config import HullMethod
 from ..errors import SettingError
-from ..library import CadModel, held
+from ..library import CadLibrary, CadModel, held
 from ..runtime.caches import user_cache_dir
+from ..runtime.reporter import Reporter
 from .hulls.link_hulls import METHODS
 from .hulls.model_hulls import LinkShape, ModelHulls, link_shapes, model_hulls
 from .hulls.packing import packed_hulls, packed_shapes, unpacked_hulls
@@ -56,14 +58,25 @@ def with_hulls(
     made_by = METHODS.get(method)
     if made_by is None:
         raise SettingError(f"collision method {method!r}", "use coacd or vhacd")
-    wanted = [i for i, model in enumerate(models) if _needs(model, method)]
+    wanted = [i for i, model in enumerate(models) if model.lacks_hulls(made_by)]
     store = _Store((cache_dir or user_cache_dir()) / "hulls", made_by)
     found = dict(zip(wanted, _all_hulls([models[i] for i in wanted], store, workers, progress)))
     return [_with(m, found[i], method) if i in found else m for i, m in enumerate(models)]
 
 
-def _needs(model: CadModel, method: str) -> bool:
-    return model.collision == "none" or (model.collision == "vhacd" and method == "coacd")
+def making_hulls(library: CadLibrary, reporter: Reporter) -> CadLibrary:
+    """The library; who asks it for hulls gets them by `with_hulls`, and the reporter is told."""
+    return dataclasses.replace(library, make_hulls=functools.partial(_told, reporter))
+
+
+def _told(reporter: Reporter, models: Sequence[CadModel], method: HullMethod) -> list[CadModel]:
+    made = with_hulls(models, method, progress=lambda d, t: reporter.progress("hulls", d, t))
+    for model in made:
+        reporter.note(
+            f"{model.id}: collision hulls by {model.collision}, which reach "
+            f"{1000 * model.swelling_m:.1f} mm beyond its surface at most"
+        )
+    return made
 
 
 def _with(model: CadModel, hulls: ModelHulls, method: str) -> CadModel:

@@ -10,6 +10,7 @@ from pathlib import Path
 from ..errors import LibraryError
 from ..library import CadLibrary, CadModel
 from ..runtime.caches import user_cache_dir
+from .collision import with_hulls
 from .index import Progress, models_below
 from .kit.catalogue import KIT, make
 from .model_files import save_model
@@ -24,7 +25,7 @@ def library_of(models: Iterable[CadModel], source: str) -> CadLibrary:
     digest = hashlib.sha256()
     for model in ordered:
         digest.update(f"{model.id}\0{model.content_hash}\0".encode())
-    return CadLibrary(ordered, source, digest.hexdigest())
+    return CadLibrary(ordered, source, digest.hexdigest(), with_hulls)
 
 
 def load_library(

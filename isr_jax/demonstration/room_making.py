@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from .. import export, stability, synthetic
+from ..cad.collision import making_hulls
 from ..classes import class_named
 from ..config import ExportSettings, StabilitySettings
 from ..errors import SceneError
 from ..library import CadLibrary
-from ..pipeline import with_hulls_at
 from ..runtime.reporter import LogReporter, Reporter
 from ..stability import StabilityReport
 from ..synthetic import PlacedModel, Room
@@ -145,7 +145,7 @@ def _noted(room: Room, drawn: dict[str, np.ndarray]) -> Room:
 def _with_hulls(room: Room, library: CadLibrary, reporter: Reporter) -> tuple[Room, CadLibrary]:
     """Room and library with collision hulls for the models of the room."""
     used = [library.position(item.model.id) for item in room.items]
-    ready = with_hulls_at(library, used, "vhacd", reporter)
+    ready = making_hulls(library, reporter).with_hulls(used, "vhacd")
     items = tuple(
         dataclasses.replace(item, model=ready.by_id(item.model.id)) for item in room.items
     )

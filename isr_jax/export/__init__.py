@@ -2,6 +2,6 @@
 
 from .stage import export_scene
 
-VERSION: int = 3
+VERSION: int = 4
 
 __all__ = ["VERSION", "export_scene"]

@@ -5,16 +5,18 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+from jaxtyping import Float
 
 from ..classes import class_named
 from ..config import ExportSettings
 from ..errors import SceneError
-from ..geometry import box_corners
+from ..geometry import box_corners, moved_part, nearest_rotation
+from ..geometry.placed_solids import PlacedSolid
 from ..library import CadLibrary, CadModel
 from ..robot_model import Link, RobotModel, link_transforms, scaled
 from ..robot_model.naming import named_in_scene
 from ..types import ContactGraph, Entities, Entity, Mesh, Placement
-from .convex import Hull, hull_of_mesh
+from .hull_meshes import part_of
 from .scan_bodies import Niche, recentred, scan_robot
 from .slabs import Slab, slabs_of
 
@@ -90,8 +92,8 @@ def _body(
     T[:3, 3] = np.asarray(entity.box.center, np.float64)
     robot = scan_robot(
         entity,
-        support_height(i, entities, graph),
-        niches_of(i, entities, graph),
+        _support_m(i, graph),
+        niches_of(i, graph),
         T[:3, 3],
         max_vertices=settings.max_hull_vertices,
         max_faces=settings.scan_max_faces,
@@ -100,40 +102,31 @@ def _body(
     return Body(i, entity.name, robot, T, free, recentred(entity.mesh, T[:3, 3]))
 
 
-def rigid(T: np.ndarray) -> np.ndarray:
+def rigid(T: Float[np.ndarray, "4 4"]) -> Float[np.ndarray, "4 4"]:
     """The nearest rigid transform: float32 leaves a rotation a little off."""
     T = np.array(T, np.float64)
-    u, _, vt = np.linalg.svd(T[:3, :3])
-    T[:3, :3] = u @ vt
+    T[:3, :3] = nearest_rotation(T[:3, :3])
     return T
 
 
-def support_height(i: int, entities: Entities, graph: ContactGraph) -> float | None:
-    """Height at which the entity's refined box stands; None where nothing carries it."""
-    if graph.parent[i] < 0:
-        return None
-    box = graph.refined_box
-    return float(box.center[i, 2] - box.size[i, 2] / 2)
+def _support_m(i: int, graph: ContactGraph) -> float | None:
+    """Height of what carries an entity; None where nothing does."""
+    return float(graph.support_height_m[i]) if graph.parent[i] >= 0 else None
 
 
-def niches_of(i: int, entities: Entities, graph: ContactGraph) -> tuple[Niche, ...]:
+def niches_of(i: int, graph: ContactGraph) -> tuple[Niche, ...]:
     """Room for each entity that this one carries."""
-    box, found = graph.refined_box, []
-    for c in graph.children(i):
-        plane = int(graph.support_plane[c])
-        bottom = float(box.center[c, 2] - box.size[c, 2] / 2)
-        if plane >= 0:
-            bottom = float(np.mean(entities[i].planes.corners[plane, :, 2]))
-        found.append(
-            Niche(
-                plane_m=bottom,
-                top_m=float(box.center[c, 2] + box.size[c, 2] / 2) + _NICHE_MARGIN_M,
-                center=np.asarray(box.center[c, :2], np.float64),
-                yaw=float(box.yaw[c]),
-                half=np.asarray(box.size[c, :2], np.float64) / 2 + _NICHE_MARGIN_M,
-            )
+    box = graph.refined_box
+    return tuple(
+        Niche(
+            plane_m=float(graph.support_height_m[c]),
+            top_m=float(box.center[c, 2] + box.size[c, 2] / 2) + _NICHE_MARGIN_M,
+            center=np.asarray(box.center[c, :2], np.float64),
+            yaw=float(box.yaw[c]),
+            half=np.asarray(box.size[c, :2], np.float64) / 2 + _NICHE_MARGIN_M,
         )
-    return tuple(found)
+        for c in graph.children(i)
+    )
 
 
 def placed_robot(model: CadModel, scale: np.ndarray, name: str) -> RobotModel:
@@ -177,11 +170,13 @@ def stretched(link: Link, scale: np.ndarray) -> Link:
     )
 
 
-def body_hulls(body: Body) -> list[Hull]:
+def body_solid(body: Body) -> PlacedSolid:
     """Collision hulls of all links, world frame, joints at zero."""
     poses = link_transforms(body.robot)
-    return [
-        hull_of_mesh(mesh).moved(body.T_world_root @ poses[link.name])
-        for link in body.robot.links
-        for mesh in link.hulls
-    ]
+    return PlacedSolid(
+        tuple(
+            moved_part(part_of(mesh), body.T_world_root @ poses[link.name])
+            for link in body.robot.links
+            for mesh in link.hulls
+        )
+    )

@@ -18,7 +18,7 @@ from scipy.spatial import ConvexHull, QhullError
 from ..classes import class_named
 from ..robot_model import Link, RobotModel, Visual, combined_properties, solid_properties
 from ..types import Entity, Mesh
-from .convex import extreme_points, hull_mesh
+from .hull_meshes import extreme_points, hull_mesh
 from .simplify import simplified
 
 _BASE_SHARES = (0.2, 0.4, 0.7, 1.0)
@@ -89,8 +89,8 @@ def _parted(points: np.ndarray, niche: Niche) -> list[np.ndarray]:
     """Points below a niche, above it and beside it; those inside go."""
     c, s = np.cos(niche.yaw), np.sin(niche.yaw)
     local = (points[:, :2] - niche.center) @ np.array([[c, -s], [s, c]])
-    apart = np.any(local.min(0) >= niche.half) or np.any(local.max(0) <= -niche.half)
-    if apart or points[:, 2].max() <= niche.plane_m or points[:, 2].min() >= niche.top_m:
+    beside = np.any(local.min(0) >= niche.half) or np.any(local.max(0) <= -niche.half)
+    if beside or points[:, 2].max() <= niche.plane_m or points[:, 2].min() >= niche.top_m:
         return [points]
     noise = (points[:, 2] > niche.plane_m) & (points[:, 2] <= niche.plane_m + _RISE_M)
     points = points.copy()

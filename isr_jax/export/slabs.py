@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Float
 
 from ..config import ExportSettings
+from ..geometry.convex import ConvexPart, box_part
 from ..geometry.rectangles import rectangles_less
 from ..types import Entity, Mesh
-from .convex import Hull, box_hull
 
 _LEVEL_COSINE = 0.98
 """A floor this level is made exactly level: the world frame says that it is."""
@@ -161,6 +161,6 @@ def _faces_of(mesh: Mesh, chosen: np.ndarray) -> Mesh:
     return Mesh(mesh.vertices[used], faces, colors, normals)
 
 
-def slab_hull(slab: Slab) -> Hull:
+def slab_part(slab: Slab) -> ConvexPart:
     """The box of a slab, world frame."""
-    return box_hull(slab.size, slab.T_world_slab)
+    return box_part(slab.size, slab.T_world_slab)

@@ -43,7 +43,7 @@ def export_scene(
     Args:
         entities: Of one scene.
         graph: Who carries whom.
-        placements: One an entity, in order.
+        placements: One per entity, in order.
         library: Holds the placed models.
         out_dir: Created.
         settings: By default those of the preset ``default``.

@@ -1,7 +1,7 @@
 """What a library of CAD models is: the models, and their boxes and planes as padded arrays."""
 
 from .arrays import MAX_MODEL_PLANES, LibraryArrays, library_arrays
-from .cad_models import CadLibrary, CadModel, Collision, Handle, held
+from .cad_models import CadLibrary, CadModel, Collision, Handle, HullMaker, held
 
 __all__ = [
     "MAX_MODEL_PLANES",
@@ -9,6 +9,7 @@ __all__ = [
     "CadModel",
     "Collision",
     "Handle",
+    "HullMaker",
     "LibraryArrays",
     "held",
     "library_arrays",

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from ..classes import Mount, class_named
+from ..config import HullMethod
+from ..errors import LibraryError
 from ..geometry.surface_samples import SurfaceSamples, surface_samples
 from ..robot_model import RobotModel, merged_mesh
 from ..types import Mesh, PlaneSet
@@ -95,6 +97,15 @@ class CadModel:
     def articulated(self) -> bool:
         return bool(self.moving_joints)
 
+    def lacks_hulls(self, method: HullMethod) -> bool:
+        """Whether a model with hulls of this method would have other ones: hulls of the fast method
+        give way to those of the slow one, and all others stay."""
+        return self.collision == "none" or (self.collision == "vhacd" and method == "coacd")
+
+
+HullMaker = Callable[[Sequence[CadModel], HullMethod], Sequence[CadModel]]
+"""Models with collision hulls by a method, in the order of those that came without."""
+
 
 def held(robot: RobotModel) -> Callable[[], RobotModel]:
     """A ``load_robot`` for a robot model that is in memory already."""
@@ -113,6 +124,8 @@ class CadLibrary:
     source: str
     """Where it came from, for messages."""
     content_hash: str
+    make_hulls: HullMaker | None = None
+    """Makes hulls where `with_hulls` finds none."""
 
     def __len__(self) -> int:
         return len(self.models)
@@ -146,6 +159,23 @@ class CadLibrary:
 
     def by_id(self, cad_id: str) -> CadModel:
         return self.models[self._positions[cad_id]]
+
+    def with_hulls(self, positions: Iterable[int], method: HullMethod) -> CadLibrary:
+        """The library, its models at these positions with collision hulls of at least this grade.
+
+        Raises:
+            LibraryError: a model came without, and the library does not know how to make them.
+        """
+        wanted = [i for i in sorted({int(i) for i in positions}) if self[i].lacks_hulls(method)]
+        if not wanted:
+            return self
+        if self.make_hulls is None:
+            raise LibraryError(
+                f"{self[wanted[0]].id} of {self.source} has no collision hulls by {method}",
+                "open the library with `isr_jax.load_library`, which makes them",
+            )
+        ready = self.make_hulls([self[i] for i in wanted], method)
+        return self.replaced(dict(zip(wanted, ready, strict=True)))
 
     def replaced(self, models: Mapping[int, CadModel]) -> CadLibrary:
         """The library with other forms of the models at these positions: of the same files, with

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 from ..config import PhysicalCheckSettings
+from ..geometry.placed_solids import PlacedSolid
 from ..types import Entities
-from .solids import Solid
 
 _LEVEL = 0.5
 _PASSES = 3
@@ -47,10 +47,11 @@ def layout_planes(entities: Entities) -> list[LayoutPlane]:
     return found
 
 
-def depth_through(solid: Solid, plane: LayoutPlane) -> tuple[float, float]:
+def depth_through(solid: PlacedSolid, plane: LayoutPlane) -> tuple[float, float]:
     """How far parts that meet a plane's rectangle reach behind it, and before it, metres.
 
-    A part counts with all of it if its projection meets the rectangle.
+    A part counts with all of it if its projection meets the rectangle, less what it may reach too
+    far.
     """
     behind, before = 0.0, 0.0
     if _lowest(solid, plane) >= 0:
@@ -62,17 +63,18 @@ def depth_through(solid: Solid, plane: LayoutPlane) -> tuple[float, float]:
             continue
         signed = part.vertices @ plane.normal + plane.offset
         behind, before = max(behind, -signed.min()), max(before, signed.max())
-    return float(behind), float(before)
+    swelling_m = solid.swelling_m
+    return max(0.0, float(behind) - swelling_m), max(0.0, float(before) - swelling_m)
 
 
-def _lowest(solid: Solid, plane: LayoutPlane) -> float:
+def _lowest(solid: PlacedSolid, plane: LayoutPlane) -> float:
     """Signed distance of the nearest corner of the solid's box: most solids are off most walls."""
     corner = np.where(plane.normal > 0, solid.low, solid.high)
     return float(corner @ plane.normal + plane.offset)
 
 
 def cleared_of_layout(
-    solid: Solid,
+    solid: PlacedSolid,
     planes: list[LayoutPlane],
     *,
     supported: bool,

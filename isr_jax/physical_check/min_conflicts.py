@@ -1,4 +1,4 @@
-"""One candidate an entity by min-conflicts (Minton et al. 1992), from the smallest errors."""
+"""One candidate per entity by min-conflicts (Minton et al. 1992), from the smallest errors."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def min_conflicts(
     max_rounds: int,
     seed: int,
 ) -> list[int]:
-    """Choose one option a variable so that as few pairs as possible are in conflict.
+    """Choose one option per variable so that as few pairs as possible are in conflict.
 
     Overlaps above the tolerance are conflicts; smaller ones can be moved apart, and such a move
     adds about its length to the error. Each round takes a variable in conflict at random and gives

@@ -8,6 +8,7 @@ from ..classes import class_named
 from ..library import CadLibrary
 from ..types import Alignments, AlignmentStatus, Candidate, Entity, Placement, Shortlist
 from .arrangement import Arrangement
+from .options import Option
 from .search import Search, collision
 
 
@@ -21,16 +22,13 @@ class Report:
         shortlist: Shortlist,
         alignments: Alignments,
         library: CadLibrary,
-        reasons: dict[int, str],
     ) -> None:
         self.search, self.arrangement = search, arrangement
         self.shortlist, self.alignments, self.library = shortlist, alignments, library
-        self.reasons = reasons
-        """Against rows that were dropped before the search."""
 
     def placement(self, i: int) -> Placement:
         """What stands for the entity at this position."""
-        entity = self.search.scene.entities[i]
+        entity = self.search.problem.entities[i]
         rows = np.flatnonzero(self.shortlist.entity == i).tolist()
         option = self.arrangement.chosen.get(i)
         if option is None:
@@ -38,7 +36,7 @@ class Report:
             reason = self._why_scan(entity, kept, self.search.fallen.get(i))
             return Placement(entity.id, None, None, None, None, None, kept, reason)
         T = option.T_world_cad.copy()
-        T[:3, 3] += self.arrangement.step[i]
+        T[:3, 3] += self.arrangement.step_m(i)
         return Placement(
             entity_id=entity.id,
             cad_id=self.library[int(self.shortlist.model[option.row])].id,
@@ -65,30 +63,26 @@ class Report:
         )
 
     def _lost(self, i: int, row: int) -> str:
-        if row in self.reasons:
-            return self.reasons[row]
-        a = next(k for k, o in enumerate(self.search.tried[i]) if o.row == row)
-        chosen = self.arrangement.chosen.get(i)
-        cost = self.search.tried[i][a].cost_m
-        if chosen is not None and chosen.cost_m <= cost:
-            return f"not needed: cost {cost:.3f} m, the chosen one {chosen.cost_m:.3f} m"
-        name, depth = self._deepest_conflict(i, a)
-        if depth > 0:
-            return collision(name, depth)
+        if row in self.search.reasons:
+            return self.search.reasons[row]
+        option, chosen = self.search.tried[row], self.arrangement.chosen.get(i)
+        if chosen is not None and chosen.cost_m <= option.cost_m:
+            costs = f"cost {option.cost_m:.3f} m, the chosen one {chosen.cost_m:.3f} m"
+            return f"not needed: {costs}"
+        name, depth_m = self._deepest_conflict(i, option)
+        if depth_m > 0:
+            return collision(name, depth_m)
         return self.search.fallen.get(i, "the chosen one leaves fewer conflicts elsewhere")
 
-    def _deepest_conflict(self, i: int, a: int) -> tuple[str, float]:
+    def _deepest_conflict(self, i: int, option: Option) -> tuple[str, float]:
         """Of one option with everything as it finally stands."""
         search, best = self.search, ("", 0.0)
-        for j in search.scene.solid_things:
-            if j == i or j in search.fallen or search.scene.exempt(i, j):
+        for j in search.problem.positions:
+            if j == i or j in search.fallen:
                 continue
-            b = search.index(self.arrangement, j)
-            best = max(
-                best,
-                (search.scene.entities[j].name, search.overlap(i, a, j, b)),
-                key=lambda found: found[1],
-            )
+            depth_m = search.overlap_m(i, option, j, self.arrangement.chosen.get(j))
+            if depth_m > best[1]:
+                best = search.problem.entities[j].name, depth_m
         return best
 
     def _why_scan(

@@ -1,82 +1,20 @@
-"""Convex hulls of export: separation, cutting, standing hulls of scans, simplification."""
+"""Hulls of export: cutting, standing hulls of scans, simplification."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from isr_jax.export.convex import (
-    box_hull,
-    cut_hull,
-    hull_mesh,
-    hull_of_mesh,
-    penetration_depth,
-    sideways_exit,
-    vertical_gap,
-)
+from isr_jax.export.hull_meshes import cut_hull, hull_mesh, part_of
 from isr_jax.export.scan_bodies import Niche, scan_hulls
 from isr_jax.export.simplify import simplified
+from isr_jax.geometry import penetration, vertical_gap
+from isr_jax.geometry.convex import box_part
 from isr_jax.robot_model import solid_properties
 
 from .builders import box_mesh
 
-EXACT = 1e-9  # float64 of boxes with short decimals
 FLOAT32 = 1e-6  # hull meshes are stored in float32, extents of a metre
-
-
-def cube(x=0.0, y=0.0, z=0.0, yaw=0.0, size=(1.0, 1.0, 1.0)):
-    c, s = np.cos(yaw), np.sin(yaw)
-    T = np.array([[c, -s, 0, x], [s, c, 0, y], [0, 0, 1, z], [0, 0, 0, 1]], float)
-    return box_hull(np.array(size), T)
-
-
-def test_depth_of_boxes_is_that_of_the_shallowest_axis():
-    assert abs(penetration_depth(cube(), cube(0.9, 0.3, 0.2)) - 0.1) < EXACT
-    assert penetration_depth(cube(), cube(1.01)) == 0.0
-    # turned by 45 degrees its corner reaches sqrt(2)/2 along x
-    turned = cube(1.1, yaw=np.pi / 4)
-    assert abs(penetration_depth(cube(), turned) - (0.5 + np.sqrt(0.5) - 1.1)) < EXACT
-
-
-def test_depth_sees_a_box_inside_another():
-    assert abs(penetration_depth(cube(size=(0.1, 0.1, 0.1)), cube()) - 0.55) < EXACT
-
-
-def test_vertical_gap_tells_drop_lift_and_beside():
-    assert abs(vertical_gap(cube(z=1.25, x=0.3), cube()) - 0.25) < EXACT
-    assert abs(vertical_gap(cube(z=0.95, x=0.3), cube()) + 0.05) < EXACT
-    assert vertical_gap(cube(z=3.0, x=1.0001), cube()) == np.inf
-    assert vertical_gap(cube(z=-1.5), cube()) == np.inf
-
-
-def test_after_the_vertical_move_hulls_touch():
-    rng = np.random.default_rng(0)
-    found = 0
-    while found < 20:
-        a = hull_of_mesh(hull_mesh(rng.normal(size=(30, 3)), 64))
-        b = hull_of_mesh(hull_mesh(rng.normal(size=(30, 3)), 64))
-        gap = vertical_gap(a, b)
-        if not np.isfinite(gap):
-            continue
-        found += 1
-        moved = a.moved(_shift(-gap - 1e-6))
-        apart = a.moved(_shift(-gap + 1e-6))
-        assert penetration_depth(moved, b) > 0 and penetration_depth(apart, b) == 0
-
-
-def _shift(z: float) -> np.ndarray:
-    T = np.eye(4)
-    T[2, 3] = z
-    return T
-
-
-def test_sideways_exit_is_horizontal_and_frees():
-    a, b = cube(0.8, 0.1, 0.4, yaw=0.3), cube()
-    length, direction = sideways_exit(a, b)
-    assert direction[2] == 0 and abs(np.linalg.norm(direction) - 1) < EXACT
-    T = np.eye(4)
-    T[:3, 3] = direction * (length + 1e-9)
-    assert penetration_depth(a.moved(T), b) == 0.0
 
 
 def test_cut_keeps_the_part_in_front_of_the_plane():
@@ -146,8 +84,8 @@ def test_a_shelf_leaves_room_on_every_board():
     for n in niches:
         middle = (*n.center, (n.plane_m + n.top_m) / 2)
         assert_free(hulls, middle, (0.09, 0.09, n.top_m - n.plane_m - 1e-3))
-        below = box_hull(np.array([0.05, 0.05, 0.01]), at(*n.center, n.plane_m + 0.02))
-        gaps = [vertical_gap(below, hull_of_mesh(h)) for h in hulls]
+        below = box_part(np.array([0.05, 0.05, 0.01]), at(*n.center, n.plane_m + 0.02))
+        gaps = [vertical_gap(below, part_of(h)) for h in hulls]
         assert abs(min(gaps) - 0.015) < FLOAT32  # the board is right below
 
 
@@ -158,8 +96,8 @@ def at(x, y, z) -> np.ndarray:
 
 
 def assert_free(hulls, center, size):
-    box = box_hull(np.array(size), at(*center))
-    assert all(penetration_depth(box, hull_of_mesh(h)) < FLOAT32 for h in hulls)
+    box = box_part(np.array(size), at(*center))
+    assert all(penetration(box, part_of(h))[0] < FLOAT32 for h in hulls)
 
 
 def test_simplified_stays_near_and_below_the_bound():
