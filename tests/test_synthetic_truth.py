@@ -202,7 +202,7 @@ def test_a_wall_with_openings_has_a_plane_for_each_rectangle(room):
 
 
 def test_slabs_leave_openings_free(room):
-    """A door in its opening overlaps no slab of its wall, which one slab a wall could not do."""
+    """A door in its opening overlaps no slab of its wall, which one slab per wall could not do."""
     entities = true_entities(room, spacing_m=1.0, with_stuff=True)
     graph, placements = true_graph(room, entities), true_placements(room, entities)
     library = default_library()
