@@ -96,7 +96,8 @@ def load_scene(folder: str | Path, *, library: CadLibrary | None = None) -> Scen
 
     Args:
         folder: Holds ``scene.json``.
-        library: The models that stand in the scene; by default those that it names.
+        library: The models that stand in the scene; by default those that it names. Candidates
+            are positions in a library: with another one the scene comes without them.
 
     Raises:
         SceneError: a file is missing, damaged, or is not what it should be.
@@ -110,14 +111,15 @@ def load_scene(folder: str | Path, *, library: CadLibrary | None = None) -> Scen
     entities = entities_of_scene(
         saved, lambda record: _mesh_at(folder, record.mesh), settings.mapping.voxel_size_m
     )
-    shortlist, aligned = _candidates_of(folder)
+    models = _library_of(saved, folder, library)
+    shortlist, aligned = _candidates_of(folder) if _is_of(saved, models) else (None, None)
     return Scene(
         entities,
         graph_of_scene(saved, entities),
         shortlist,
         aligned,
         placements_of_scene(saved),
-        _library_of(saved, folder, library),
+        models,
         settings,
     )
 
@@ -202,6 +204,10 @@ def _library_of(saved: SceneFile, folder: Path, given: CadLibrary | None) -> Cad
             "give the library that it was made with",
         )
     return library
+
+
+def _is_of(saved: SceneFile, library: CadLibrary) -> bool:
+    return saved.library is not None and saved.library.content_hash == library.content_hash
 
 
 __all__ = ["Scene", "alignment_problem", "alignment_surfaces", "load_scene"]

@@ -157,12 +157,8 @@ def test_scores_are_those_of_the_benchmark(done, finished):  # noqa: F811
     """The finished run went through files; here all stays in memory."""
     plan, _, _ = done
     folder = plan.film_dir(ROOM)
-    report = evaluation.evaluate(
-        finished.out_dir,
-        folder / "truth",
-        unrefined={entity.name: entity.box for entity in finished.scene.entities},
-    )
-    parts = ("panoptic", "instances", "boxes", "unrefined_boxes")
+    report = evaluation.evaluate(finished.out_dir, folder / "truth")
+    parts = ("panoptic", "instances", "boxes", "observed_boxes")
     theirs = [v for v in scored(report) if v.metric.split(".")[0] in parts]
     ours = [v for v in kept_values(plan, plan.runs(ROOM)[0]) or () if v.stage not in (COST, LOSS)]
     assert len(ours) > 100 and {v.class_name for v in ours} >= {"", "chair", "floor"}

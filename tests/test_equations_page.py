@@ -23,7 +23,7 @@ SET_BACK = {n: re.findall(r"`([\w.]+=[\w.]+)`", cells[4]) for n, cells in ROWS.i
 
 def test_every_equation_of_the_paper_has_a_row():
     assert list(ROWS) == list(range(1, 12))
-    assert all(len(cells) == 5 and cells[1] and cells[3] for cells in ROWS.values())
+    assert all(len(cells) == 6 and cells[1] and cells[3] for cells in ROWS.values())
 
 
 @pytest.mark.parametrize("number", range(1, 12))
@@ -32,6 +32,12 @@ def test_the_function_cites_its_equation(number):
     function = pkgutil.resolve_name(path)
     assert callable(function)
     assert re.search(rf"\bEq\. {number}\b", function.__doc__), f"{path} does not cite it"
+
+
+@pytest.mark.parametrize("number", range(1, 12))
+def test_the_test_of_an_equation_exists(number):
+    (path, name) = ROWS[number][5].strip("`").split("::")
+    assert f"\ndef {name}(" in (REPOSITORY / path).read_text("utf-8")
 
 
 def test_other_functions_of_the_page_exist():

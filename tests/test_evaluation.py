@@ -218,10 +218,12 @@ def box_ap(boxes, class_name: str) -> tuple[float, float]:
 
 def test_boxes_before_and_after_refinement(folders):
     lifted = canonical_box(np.array([-1.0, -0.8, 0.68]), -0.3, np.array([0.5, 0.5, 0.44]))
-    report = folders.report(unrefined={"chair_1": lifted})
+    assert folders.report().observed_boxes is None
+    folders.edit("chair_1", observed_box=lifted)
+    report = folders.report()
     assert report.boxes.map50 == 1.0
-    assert report.unrefined_boxes is not None
-    assert box_ap(report.unrefined_boxes, "chair") == (
+    assert report.observed_boxes is not None
+    assert box_ap(report.observed_boxes, "chair") == (
         0.0,
         1.0,
     )  # half of the box: IoU just below 0.5

@@ -85,6 +85,13 @@ def test_candidates_of_another_scene_json_are_not_taken(finished, tmp_path):  # 
     assert found.shortlist is None
 
 
+def test_with_another_library_there_are_no_candidates(finished):  # noqa: F811
+    models = finished.scene.library.models
+    placed = {p.cad_id for p in finished.scene.placements} - {None}
+    larger = library_of(*(m for m in models if m.id in placed), table_model())
+    assert isr.load_scene(finished.out_dir, library=larger).shortlist is None
+
+
 def test_what_is_missing_is_named(finished, tmp_path):  # noqa: F811
     with pytest.raises(SceneError, match=r"scene\.json"):
         isr.load_scene(tmp_path)
@@ -111,7 +118,7 @@ def test_scenes_furnished_together_are_as_each_alone(finished, tmp_path):  # noq
     assert content_hash(together[0].graph) == content_hash(whole.graph)
     assert content_hash(together[0].shortlist) == content_hash(whole.shortlist)
     chosen = [[p.cad_id for p in scene.placements] for scene in together]
-    alone = [isr.replace_with_cad(room, whole.library, whole.settings) for room in rooms]
+    alone = [whole, isr.replace_with_cad(half, whole.library, whole.settings)]
     assert chosen == [[p.cad_id for p in scene.placements] for scene in alone]
     assert (tmp_path / "half" / "physical_check.json").is_file()
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 
 import numpy as np
 import onnxruntime
@@ -12,6 +11,7 @@ from onnx import helper
 
 from isr_jax.config import SegmentationSettings
 from isr_jax.errors import SegmenterError
+from isr_jax.runtime.cores import usable_cores
 from isr_jax.segmentation import BatchSegmenter, OnnxModel, onnx_session, open_segmenter
 from isr_jax.segmentation.onnx_session import PROVIDERS
 
@@ -41,7 +41,7 @@ def pretend(monkeypatch, *, available: tuple[str, ...], starts: str) -> list:
 def test_the_processor_is_the_default_and_is_said(tmp_path):
     model = OnnxModel(semantics_model(tmp_path), provider="cpu")
     assert model.provider == "CPUExecutionProvider"
-    assert f"CPUExecutionProvider, {os.cpu_count()} threads" in model.describe()
+    assert f"CPUExecutionProvider, {usable_cores()} threads" in model.describe()
     assert "1 threads" in OnnxModel(semantics_model(tmp_path), threads=1).describe()
 
 

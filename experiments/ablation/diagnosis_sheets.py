@@ -24,7 +24,7 @@ def _scores(judged: Judged) -> Sheet:
         panoptic.pq_things,
         panoptic.pq_stuff,
         scores.instances.map50,
-        scores.unrefined_boxes.map50,
+        scores.observed_boxes.map50,
         scores.boxes.map50,
         sum(v for k, v in judged.mapped.seconds.items() if k != "segmentation"),
     )

@@ -22,7 +22,7 @@ FIGURES = (
     Figure("PQ things", "mapping", "panoptic.pq_things"),
     Figure("PQ stuff", "mapping", "panoptic.pq_stuff"),
     Figure("AP@0.5", "mapping", "instances.map50"),
-    Figure("box mAP", "entities", "unrefined_boxes.map50"),
+    Figure("box mAP", "entities", "observed_boxes.map50"),
     Figure("mAP_re", "contact_graph", "boxes.map50"),
     Figure("seconds", COST, "seconds", 1.0, "s", False),
 )

@@ -34,7 +34,7 @@ class MapScores:
     instances: InstanceScores
     boxes: BoxScores
     """Of mAP_re: as supports refined them."""
-    unrefined_boxes: BoxScores
+    observed_boxes: BoxScores
     """Of mAP."""
 
 
@@ -65,12 +65,11 @@ def judge(mapped: Mapped, truth: Truth) -> Judged:
     own = dataclasses.replace(
         result, instance=surface.instance.astype(np.int64), class_id=_own_classes(surface)
     )
-    unrefined = {entity.name: entity.box for entity in mapped.entities}
     scores = MapScores(
         panoptic=panoptic_scores(compared.quality),
         instances=score_instances(compared),
-        boxes=score_boxes(truth, result, None),
-        unrefined_boxes=score_boxes(truth, result, unrefined),
+        boxes=score_boxes(truth, result),
+        observed_boxes=score_boxes(truth, result, observed=True),
     )
     return Judged(truth, mapped, compared, compare_segments(truth, own, near), scores)
 

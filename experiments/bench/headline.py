@@ -40,7 +40,7 @@ HEADLINE = (
     Figure("instance AP@0.5", "mapping", "instances.map50"),
     _millimetres("surface accuracy, median", "mapping", "surface.accuracy_median_m"),
     Figure("surface F at 5 cm", "mapping", "surface.rates.0.05.f_score"),
-    Figure("box mAP@0.5", "entities", "unrefined_boxes.map50"),
+    Figure("box mAP@0.5", "entities", "observed_boxes.map50"),
     Figure("box mAP_re@0.5", "contact_graph", "boxes.map50"),
     Figure("support precision", "contact_graph", "supports.precision"),
     Figure("support recall", "contact_graph", "supports.recall"),

@@ -144,7 +144,6 @@ def _values(plan: Plan, run: Run, libraries: Libraries, reporter: Reporter) -> l
             plan.film_dir(run.room) / "truth",
             library=result.scene.library,
             truth_library=libraries.of_room(run.room),
-            unrefined={entity.name: entity.box for entity in result.scene.entities},
         )
         report.write(folder / "evaluation.json")
     _drop_bulk(folder)
@@ -153,7 +152,7 @@ def _values(plan: Plan, run: Run, libraries: Libraries, reporter: Reporter) -> l
 
 
 def _drop_bulk(folder: Path) -> None:
-    """Delete what is scored and large: stored stages and the map, 200 MB a run."""
+    """Delete what is scored and large: stored stages and the map, 200 MB per run."""
     for name in ("stages", "map"):
         shutil.rmtree(folder / name, ignore_errors=True)
 

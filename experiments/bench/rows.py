@@ -53,7 +53,7 @@ _STAGE_OF = {
     "panoptic": "mapping",
     "instances": "mapping",
     "surface": "mapping",
-    "unrefined_boxes": "entities",
+    "observed_boxes": "entities",
     "matches": "entities",
     "unseen": "entities",
     "boxes": "contact_graph",

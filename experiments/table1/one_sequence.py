@@ -124,17 +124,16 @@ def _exact(found: Found, truth_dir: Path) -> ExactScores:
         scene, vertices, mesh.faces, *final_labels(found.entities, found.surface), np.eye(4)
     )
     compared = compare_segments(truth, result, transfer(truth.points, result.points))
-    unrefined = {e.name: e.box for e in found.entities}
     return ExactScores(
         panoptic_scores(compared.quality),
         score_instances(compared),
-        score_boxes(truth, result, unrefined),
-        score_boxes(truth, result, None),
+        score_boxes(truth, result, observed=True),
+        score_boxes(truth, result),
     )
 
 
 def _merged(found: Found) -> np.ndarray:
-    """Instance a vertex, with the parts of one entity under its id."""
+    """Instance of each vertex, with the parts of one entity under its id."""
     instance = found.surface.instance.astype(np.int64)
     for entity in found.entities:
         instance = np.where(np.isin(instance, entity.merged_ids), entity.id, instance)

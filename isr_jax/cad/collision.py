@@ -19,6 +19,7 @@ from ..config import HullMethod
 from ..errors import SettingError
 from ..library import CadLibrary, CadModel, held
 from ..runtime.caches import user_cache_dir
+from ..runtime.cores import usable_cores
 from ..runtime.reporter import Reporter
 from .hulls.link_hulls import METHODS
 from .hulls.model_hulls import LinkShape, ModelHulls, link_shapes, model_hulls
@@ -129,7 +130,7 @@ def _all_hulls(
 ) -> list[ModelHulls]:
     """Hulls of each model, from the store or made."""
     done, lock = 0, threading.Lock()
-    count = max(1, (os.cpu_count() or 2) // 2) if workers is None else workers
+    count = max(1, usable_cores() // 2) if workers is None else workers
     crew = threading.local()
     started: list[Worker] = []
 

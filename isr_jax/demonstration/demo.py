@@ -56,7 +56,6 @@ def demo(
         out_dir,
         sequence_dir / "truth",
         library=library,
-        unrefined={entity.name: entity.box for entity in result.scene.entities},
     )
     report.write(out_dir / "evaluation.json")
     return DemoResult(result, report)

@@ -27,7 +27,7 @@ from .report import EvaluationReport
 from .stage import evaluate
 from .standing import SetStanding, StandingScores
 
-VERSION: int = 3
+VERSION: int = 4
 
 __all__ = [
     "VERSION",

@@ -34,8 +34,8 @@ class EvaluationReport:
     instances: InstanceScores
     boxes: BoxScores
     """Of the boxes in scene.json, which supports have refined (mAP_re)."""
-    unrefined_boxes: BoxScores | None
-    """Before refinement (mAP), where given."""
+    observed_boxes: BoxScores | None
+    """Before refinement (mAP); None where the result does not keep them."""
     supports: EdgeScores
     """Edges from things to what carries them."""
     proximal: EdgeScores
@@ -73,12 +73,12 @@ class EvaluationReport:
     def headline(self) -> Headline:
         """(name, value) of what is quoted first."""
         found = sum(m.predicted is not None for m in self.matches)
-        unrefined, released = self.unrefined_boxes, self.released_counting
+        observed, released = self.observed_boxes, self.released_counting
         return (
             ("things found", f"{found} of {len(self.matches)}"),
             *self.panoptic.headline(),
             *self.instances.headline(),
-            *(() if unrefined is None else unrefined.headline("mAP")),
+            *(() if observed is None else observed.headline("mAP")),
             *self.boxes.headline("mAP_re"),
             *self.supports.headline("support"),
             *self.proximal.headline("proximal"),

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 from ..config import SupportSettings
 from ..library import CadLibrary
-from ..types import Box
 from .graphs.graph_scores import score_attachments, score_proximal, score_supports
 from .graphs.support_planes import score_support_planes
-from .maps.boxes import score_boxes
+from .maps.boxes import BoxScores, score_boxes
 from .maps.instances import score_instances
 from .maps.labels import transfer
 from .maps.panoptic import panoptic_scores
@@ -22,7 +20,7 @@ from .models.cad_alignment import AlignmentLimits
 from .models.cad_scores import score_cad_scene
 from .models.replacement import score_replacement
 from .report import EvaluationReport
-from .result_files import read_result, read_truth, support_of
+from .result_files import Result, Truth, read_result, read_truth, support_of
 from .standing import read_standing
 
 
@@ -32,7 +30,6 @@ def evaluate(
     *,
     library: CadLibrary | None = None,
     truth_library: CadLibrary | None = None,
-    unrefined: Mapping[str, Box] | None = None,
     limits: AlignmentLimits | None = None,
     support: SupportSettings | None = None,
     released_counting: bool = False,
@@ -48,7 +45,6 @@ def evaluate(
             are taken from the entities' boxes, and the row says so.
         truth_library: The models of the truth; by default the same. Without any, models have no
             symmetry.
-        unrefined: Boxes by entity name before supports refined them, for mAP beside mAP_re.
         limits: Of the CAD alignment accuracy.
         support: Which planes may carry something (a_th), in both scenes. By default as in the run
             that is scored, from its scene.json; give one for all where runs are compared that
@@ -75,8 +71,8 @@ def evaluate(
     return EvaluationReport(
         panoptic=panoptic_scores(compared.quality),
         instances=score_instances(compared),
-        boxes=score_boxes(truth, result, None),
-        unrefined_boxes=None if unrefined is None else score_boxes(truth, result, unrefined),
+        boxes=score_boxes(truth, result),
+        observed_boxes=_score_observed_boxes(truth, result),
         supports=score_supports(truth.scene, result.scene, matches),
         proximal=score_proximal(truth.scene, result.scene, matches),
         attachments=score_attachments(truth.scene, result.scene, matches),
@@ -89,3 +85,10 @@ def evaluate(
         unseen=tuple(e.name for e in truth.scene.entities if e.id not in seen),
         released_counting=score_released_counting(truth, result) if released_counting else None,
     )
+
+
+def _score_observed_boxes(truth: Truth, result: Result) -> BoxScores | None:
+    """None where the result keeps no boxes but those that supports refined."""
+    if all(entity.observed_box is None for entity in result.scene.entities):
+        return None
+    return score_boxes(truth, result, observed=True)

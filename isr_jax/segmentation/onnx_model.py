@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from ..errors import SegmenterError
+from ..runtime.cores import usable_cores
 from .model_image import prepare
 from .onnx_session import open_session
 from .sidecar import Constant, Sidecar, find_sidecar
@@ -31,7 +31,7 @@ class OnnxModel:
         if not self.path.is_file():
             raise SegmenterError(f"{self.path} does not exist", "give the path of an ONNX model")
         self.sidecar: Sidecar = find_sidecar(self.path)
-        self.threads = threads or os.cpu_count() or 1
+        self.threads = threads or usable_cores()
         self._session = open_session(self.path, provider=provider, threads=threads)
         self.provider: str = self._session.get_providers()[0]
         self._names = {o.name: role for role, o in self.sidecar.outputs.items()}

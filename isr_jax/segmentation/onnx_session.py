@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import onnxruntime
 
 from ..errors import SegmenterError
+from ..runtime.cores import usable_cores
 
 PROVIDERS = {
     "cpu": "CPUExecutionProvider",
@@ -36,7 +36,7 @@ def open_session(
         SegmenterError: The file is no model, or the provider is not there or does not start.
     """
     options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = threads or os.cpu_count() or 1
+    options.intra_op_num_threads = threads or usable_cores()
     options.log_severity_level = 3
     wanted = _wanted(provider)
     try:

@@ -16,6 +16,7 @@ import numpy as np
 
 from ...classes import class_named
 from ...errors import LibraryError, OutputError, SettingError
+from ...runtime.cores import usable_cores
 from ..model_files import save_model
 from .add_report import Added, AddReport, Rejected, write_report
 from .converting.convert import convert
@@ -122,7 +123,7 @@ def add_models(
     items = find_models(path, options.limits)
     with _staging_folder(library) as staging:
         tasks = [_Task(item, options, staging / str(i)) for i, item in enumerate(items)]
-        count = os.cpu_count() or 1 if workers is None else workers
+        count = usable_cores() if workers is None else workers
         return _added(tasks, library, count, progress)
 
 

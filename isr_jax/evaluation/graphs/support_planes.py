@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float
 
+from ...geometry import plane_heights
 from ...scene_file import ROOM_NAME, EntityRecord, PlaneRecord, SceneFile
 from ..figures import Headline, median, millimetres, percent, share
 from ..matches import Match
@@ -105,5 +106,4 @@ def height_of_plane(
     normal = T[:3, :3] @ np.asarray(plane.normal, np.float64)
     if abs(normal[2]) < _LEAST_SLOPE:
         return None
-    offset = plane.offset - normal @ T[:3, 3]
-    return float(-(normal[:2] @ at[:2] + offset) / normal[2])
+    return float(plane_heights(normal, plane.offset - normal @ T[:3, 3], at[:2]))

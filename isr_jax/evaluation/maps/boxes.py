@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 
 import jax
 import numpy as np
@@ -88,7 +87,7 @@ class BoxScores:
         )
 
 
-def score_boxes(truth: Truth, result: Result, replaced: Mapping[str, Box] | None) -> BoxScores:
+def score_boxes(truth: Truth, result: Result, *, observed: bool = False) -> BoxScores:
     """AP of the boxes of things, class by class, at IoU 0.5 and 0.25.
 
     The confidence of a prediction is its vertex count, since a map holds no other. Predictions
@@ -97,8 +96,8 @@ def score_boxes(truth: Truth, result: Result, replaced: Mapping[str, Box] | None
 
     Args:
         truth: The true boxes are those of its scene.
-        result: The boxes are those of its scene ...
-        replaced: ... but for these, by name of the entity.
+        result: The boxes are those of its scene, which supports refined (mAP_re).
+        observed: Take the boxes as they were before that (mAP), where the scene keeps them.
     """
     seen = observed_ids(truth)
     true = [e for e in truth.scene.entities if e.type != "layout"]
@@ -107,15 +106,17 @@ def score_boxes(truth: Truth, result: Result, replaced: Mapping[str, Box] | None
     rows = []
     for name in sorted({e.class_name for e in true if e.id in seen}):
         of_class = [e for e in found if e.class_name == name]
-        boxes = [
-            moved_box((replaced or {}).get(e.name, e.box), result.T_truth_result) for e in of_class
-        ]
+        boxes = [moved_box(_box(e, observed), result.T_truth_result) for e in of_class]
         score = np.array([counts.get(e.id, 0) for e in of_class], float)
         named = [e for e in true if e.class_name == name]
         asked = [e for e in named if e.id in seen]
         unasked = [e for e in named if e.id not in seen]
         rows.append(_row(name, score, _iou(boxes, asked), _iou(boxes, unasked)))
     return BoxScores.over(tuple(rows))
+
+
+def _box(record: EntityRecord, observed: bool) -> Box:
+    return record.observed_box if observed and record.observed_box is not None else record.box
 
 
 def _iou(boxes: list[Box], true: list[EntityRecord]) -> Float[np.ndarray, "boxes true"]:
