@@ -11,13 +11,15 @@ from isr_jax import pipeline, synthetic
 from isr_jax.cad import default_library
 from isr_jax.config import Settings, preset, with_overrides
 
+from .builders import box_entity, floor_entity, scene_of
+
 FRAMES, WIDTH, HEIGHT = 24, 160, 120
 COARSE = (
     "mapping.voxel_size_m=0.04",
     "mapping.checkpoint_every=5",
     "segmentation.min_segment_px=40",
     "segmentation.min_piece_px=10",
-    "matching.shortlist=4",
+    "matching.shortlist=2",
     "alignment.max_points=256",
     "physical_check.max_nudge_m=0.0",
     "stability.duration_s=0.5",
@@ -82,3 +84,17 @@ def film(tmp_path_factory) -> Path:
 def finished(tmp_path_factory) -> pipeline.RunResult:
     """The whole way through on the film; copy its folder before changing it."""
     return _finished(tmp_path_factory.getbasetemp())
+
+
+@functools.cache
+def _saved_table(base: Path) -> Path:
+    table = box_entity(2, "table", (0, 0, 0.37), (1.2, 0.8, 0.74), 0.2)
+    cup = box_entity(3, "cup", (0.1, 0.1, 0.79), (0.08, 0.08, 0.1))
+    pipeline.replace_with_cad(scene_of(floor_entity(), table, cup)).save(base / "out" / "kitchen")
+    return base
+
+
+@pytest.fixture(scope="session")
+def saved_table(tmp_path_factory) -> Path:
+    """A folder with a small scene, a cup on a table, saved at ``out/kitchen``."""
+    return _saved_table(tmp_path_factory.getbasetemp())

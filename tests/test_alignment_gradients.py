@@ -80,7 +80,6 @@ def inner(a, b) -> float:
     return float(sum(np.sum(x * y) for x, y in zip(jax.tree.leaves(a), jax.tree.leaves(b))))
 
 
-@jax.jit
 def poses_and_costs(problem: AlignmentProblem, weights: AlignmentWeights):
     """A number that every field of the solution takes part in."""
     solution = align(problem, weights, EXACT)
@@ -89,9 +88,9 @@ def poses_and_costs(problem: AlignmentProblem, weights: AlignmentWeights):
 
 
 @eqx.filter_jit
-def slopes_of(problem, weights):
+def value_and_slopes(problem, weights):
     """Of `poses_and_costs` in all that is not a mask, in reverse mode."""
-    return eqx.filter_grad(lambda both: poses_and_costs(*both))((problem, weights))
+    return eqx.filter_value_and_grad(lambda both: poses_and_costs(*both))((problem, weights))
 
 
 def exact_pairs():
@@ -102,12 +101,12 @@ def test_derivatives_match_finite_differences():
     with jax.enable_x64(True):
         both = exact_pairs()
         rng = np.random.default_rng(0)
-        slopes = slopes_of(*both)
+        _, slopes = value_and_slopes(*both)
         for name, where in DERIVED.items():
             direction = random_like(rng, where(*both))
 
             def of(values, where=where):
-                return poses_and_costs(*eqx.tree_at(lambda b: where(*b), both, values))
+                return value_and_slopes(*eqx.tree_at(lambda b: where(*b), both, values))[0]
 
             reverse = inner(where(*slopes), direction)
             difference = slope_along(of, where(*both), direction)
@@ -123,7 +122,7 @@ def test_every_transformation_gives_the_same_derivatives():
     """`jax.grad` in boxes and planes, `jax.jacfwd`, and `jax.vmap` of it, in weights."""
     with jax.enable_x64(True):
         problem, weights = exact_pairs()
-        whole, by_weight = slopes_of(problem, weights)
+        _, (whole, by_weight) = value_and_slopes(problem, weights)
         assert whole.valid is None and whole.plane_valid is None
 
         @jax.jit
@@ -138,30 +137,43 @@ def test_every_transformation_gives_the_same_derivatives():
         many = jax.tree.map(lambda w: w * np.array([0.5, 1.0]), weights)
         forward = jax.jit(jax.vmap(jax.jacfwd(lambda w: poses_and_costs(problem, w))))(many)
         assert_same(jax.tree.map(lambda leaf: leaf[1], forward), by_weight)
-        halved = slopes_of(problem, jax.tree.map(lambda leaf: leaf[0], many))[1]
+        _, (_, halved) = value_and_slopes(problem, jax.tree.map(lambda leaf: leaf[0], many))
         assert_same(jax.tree.map(lambda leaf: leaf[0], forward), halved)
 
 
+def lanes_of(problem, rows) -> AlignmentProblem:
+    """As many lanes as before: those of ``rows``, and padding in place of the others."""
+    keep = np.isin(np.arange(LANES), rows)
+
+    def masked(leaf):
+        return np.where(np.reshape(keep, (-1,) + (1,) * (leaf.ndim - 1)), leaf, np.zeros_like(leaf))
+
+    return jax.tree.map(masked, problem)
+
+
 def test_padding_changes_nothing_and_has_no_derivatives():
-    problem = pairs_of(8, LANES, copies=False)
-    padded = jax.tree.map(
-        lambda leaf: np.concatenate([leaf, np.zeros((8, *leaf.shape[1:]), leaf.dtype)]), problem
-    )
-    (total, alone), (slopes, by_weight) = cost_and_gradient(problem, WEIGHTS)
-    (total_beside, beside), (slopes_beside, by_weight_beside) = cost_and_gradient(padded, WEIGHTS)
-    np.testing.assert_array_equal(beside.cost[LANES:], 0)
-    np.testing.assert_allclose(total_beside, total, rtol=1e-5)
-    np.testing.assert_allclose(beside.scale[:LANES], alone.scale, rtol=1e-5)
-    for a, b in zip(jax.tree.leaves(slopes), jax.tree.leaves(slopes_beside), strict=True):
-        np.testing.assert_allclose(b[:LANES], a, rtol=1e-3, atol=1e-4)
-        np.testing.assert_array_equal(b[LANES:], 0)
-    for a, b in zip(jax.tree.leaves(by_weight), jax.tree.leaves(by_weight_beside), strict=True):
-        np.testing.assert_allclose(b, a, rtol=1e-4, atol=1e-5)
+    problem, half = pairs_of(8, LANES, copies=False), LANES // 2
+    whole = cost_and_gradient(problem, WEIGHTS)
+    parts = [
+        cost_and_gradient(lanes_of(problem, rows), WEIGHTS)
+        for rows in np.arange(LANES).reshape(2, half)
+    ]
+    (total, solution), (slopes, by_weight) = whole
+    np.testing.assert_allclose(sum(part[0][0] for part in parts), total, rtol=1e-5)
+    first, (first_slopes, _) = parts[0][0][1], parts[0][1]
+    np.testing.assert_array_equal(first.cost[half:], 0)
+    np.testing.assert_allclose(first.scale[:half], solution.scale[:half], rtol=1e-5)
+    for a, b in zip(jax.tree.leaves(slopes), jax.tree.leaves(first_slopes), strict=True):
+        np.testing.assert_allclose(b[:half], a[:half], rtol=1e-3, atol=1e-4)
+        np.testing.assert_array_equal(b[half:], 0)
+    summed = jax.tree.map(lambda a, b: a + b, *(part[1][1] for part in parts))
+    for a, b in zip(jax.tree.leaves(by_weight), jax.tree.leaves(summed), strict=True):
+        np.testing.assert_allclose(b, a, rtol=1e-4, atol=1e-4)
 
 
 def test_lanes_without_a_problem_do_not_feel_the_weights():
     """Each derivative is exactly 0: with a million lanes of padding rounding would add up."""
-    nothing = jax.tree.map(np.zeros_like, pairs_of(8, LANES, copies=False))
+    nothing = lanes_of(pairs_of(8, LANES, copies=False), [])
     (_, solution), (_, by_weight) = cost_and_gradient(nothing, WEIGHTS)
     assert np.all(solution.cost == 0)
     for slope in jax.tree.leaves(by_weight):
@@ -214,18 +226,17 @@ def test_the_alignment_error_is_differentiated_through_the_alignment():
         surfaces = doubled(surfaces_of([entities], [shortlist], library))
         weights, rng = doubled(WEIGHTS), np.random.default_rng(1)
 
-        @jax.jit
-        def error(weights, problem):
-            solution = align(problem, weights, EXACT)
-            return alignment_error(solution, surfaces).sum()
-
         @eqx.filter_jit
-        def slopes(weights, problem):
-            return eqx.filter_grad(lambda both: error(*both))((weights, problem))
+        def error_and_slopes(weights, problem):
+            def error(both):
+                solution = align(both[1], both[0], EXACT)
+                return alignment_error(solution, surfaces).sum()
 
-        by_weight, by_problem = slopes(weights, problem)
+            return eqx.filter_value_and_grad(error)((weights, problem))
+
+        _, (by_weight, by_problem) = error_and_slopes(weights, problem)
         direction = random_like(rng, weights)
-        difference = slope_along(lambda w: error(w, problem), weights, direction)
+        difference = slope_along(lambda w: error_and_slopes(w, problem)[0], weights, direction)
         np.testing.assert_allclose(inner(by_weight, direction), difference, **CLOSE)
         assert abs(difference) > 1e-3
         for leaf in jax.tree.leaves(by_problem):

@@ -9,7 +9,7 @@ import pytest
 from isr_jax.cad import build_library
 
 from .conftest import REPOSITORY
-from .films import COARSE, film, finished  # noqa: F401 (fixtures)
+from .films import COARSE, film, finished, saved_table  # noqa: F401 (fixtures)
 
 EXAMPLES = REPOSITORY / "examples"
 
@@ -58,14 +58,14 @@ def test_own_cad_folder(finished, tmp_path, capsys):  # noqa: F811
     assert "->" in capsys.readouterr().out
 
 
-def test_gradients_of_alignment(finished, capsys):  # noqa: F811
-    run("gradients_of_alignment", str(finished.out_dir))
+def test_gradients_of_alignment(saved_table, capsys):  # noqa: F811
+    run("gradients_of_alignment", str(saved_table / "out" / "kitchen"))
     said = capsys.readouterr().out
     assert "d cost / d footprint" in said and "mean AE" in said and "nan" not in said
 
 
-def test_batch_of_scenes(finished, capsys):  # noqa: F811
-    folder = str(finished.out_dir)
+def test_batch_of_scenes(saved_table, capsys):  # noqa: F811
+    folder = str(saved_table / "out" / "kitchen")
     run("batch_of_scenes", folder, folder, "--weights", "1.0")
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 2 and lines[0] == lines[1] and "models placed" in lines[0]

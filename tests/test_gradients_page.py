@@ -13,26 +13,16 @@ import isr_jax as isr
 from isr_jax.errors import SceneError
 from isr_jax.types import AlignmentStatus
 
-from .builders import box_entity, floor_entity, scene_of
 from .conftest import REPOSITORY
+from .films import saved_table  # noqa: F401 (a fixture)
 
 PAGE = (REPOSITORY / "docs" / "gradients.md").read_text("utf-8")
 CODE = re.findall(r"```python\n(.*?)```", PAGE, re.S)
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """A folder with a scene that was saved at out/kitchen."""
-    table = box_entity(2, "table", (0, 0, 0.37), (1.2, 0.8, 0.74), 0.2)
-    cup = box_entity(3, "cup", (0.1, 0.1, 0.79), (0.08, 0.08, 0.1))
-    here = tmp_path_factory.mktemp("page")
-    isr.replace_with_cad(scene_of(floor_entity(), table, cup)).save(here / "out" / "kitchen")
-    return here
-
-
-def test_the_code_of_the_page_runs(folder, monkeypatch, capsys):
+def test_the_code_of_the_page_runs(saved_table, monkeypatch, capsys):  # noqa: F811
     """Block by block, as one script; what it finds agrees with itself."""
-    monkeypatch.chdir(folder)
+    monkeypatch.chdir(saved_table)
     names: dict = {}
     for block in CODE:
         exec(block, names)
@@ -62,8 +52,8 @@ def test_every_status_is_in_the_table():
         assert f"\n| {status.label} |" in PAGE
 
 
-def test_a_scene_without_candidates_is_refused(folder):
-    scene = isr.load_scene(folder / "out" / "kitchen")
+def test_a_scene_without_candidates_is_refused(saved_table):  # noqa: F811
+    scene = isr.load_scene(saved_table / "out" / "kitchen")
     for door in (isr.alignment_problem, isr.alignment_surfaces):
         with pytest.raises(SceneError, match="1 of 1 scenes hold no candidates"):
             door(dataclasses.replace(scene, shortlist=None, aligned=None))
