@@ -21,6 +21,11 @@ def pytest_sessionstart() -> None:
     enable_compilation_cache()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The notebook, one test of more than a minute, comes first: last, it would run alone."""
+    items.sort(key=lambda item: item.path.name != "test_notebook.py")
+
+
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
     """The folder of real development data; skips, visibly, where it is absent."""

@@ -106,4 +106,5 @@ def height_of_plane(
     normal = T[:3, :3] @ np.asarray(plane.normal, np.float64)
     if abs(normal[2]) < _LEAST_SLOPE:
         return None
-    return float(plane_heights(normal, plane.offset - normal @ T[:3, 3], at[:2]))
+    offset = np.asarray(plane.offset - normal @ T[:3, 3])
+    return float(plane_heights(normal, offset, at[:2]))
